@@ -76,9 +76,9 @@ WORDS = {
     "sigma_steps": "steps and ramps of the normal stress",
     "sigma_sinusoid": "oscillation of the normal stress",
     "file loading": "file with a record",
-    "columns": "its columns with times and speeds",
-    "units": "their units, if the header has none",
-    "t": "times of a record, with the same number of speeds in `V_lp`",
+    "columns": "columns of this file with times and speeds",
+    "units": "units of these columns, if the header has none",
+    "t": "times; `V_lp` then lists as many speeds",
     "function": "function to compute",
     "initial": "values at t = 0 that override the steady start",
     "times": "times to save",
@@ -89,16 +89,16 @@ WORDS = {
 }
 #: of those, what is expected, where the code has no list of it
 FORMS = {
-    "steps": '`[{ t = "1 s", V_lp = "1 mm/s" }]`; `hold` in place of `V_lp`, or `ramp` beside it',
+    "steps": '`[{ t = "1 s", V_lp = "1 mm/s" }]`; `hold` in place of `V_lp`, or `ramp` in addition',
     "sinusoid": '`{ amplitude = "0.05 mm/s", period = "2 s" }`, or `frequency`',
     "sigma loading": '`["5 MPa", "5 MPa", "5.1 MPa", 5.1e6]`',
-    "sigma_steps": '`[{ t = "1 s", sigma = "5.1 MPa" }]`; `ramp` beside it',
+    "sigma_steps": '`[{ t = "1 s", sigma = "5.1 MPa" }]`; `ramp` in addition',
     "sigma_sinusoid": '`{ amplitude = "50 kPa", period = "2 s" }`, or `frequency`',
     "file loading": "a name such as `record.csv`",
     "columns": '`["time [s]", "V_lp [um/s]"]`, or numbers from 1 on',
     "units": '`["s", "um/s"]`',
     "t": '`[0, 10, "20 s"]`',
-    "law_file": '`"mylaw.py"`, by its path from this file',
+    "law_file": '`"mylaw.py"`, a path relative to this file',
     "initial": '`{ V = "1 um/s", theta = "10 s" }`; also `tau`, and other states of the law',
     "times": '`[0.5, "1 s"]`, or `{ from = 0, to = "200 s", n = 2001 }`',
     "frequency": '`"10 Hz"`, `[1, "10 Hz"]`, or `{ from = 1, to = 100, n = 21, scale = "log" }`',
@@ -109,8 +109,8 @@ OTHERWISE = {
     "t_end run": "required",
     "V_start run": "default: the first speed of the loading",
     "times run": "default: the solver's own steps",
-    "frequency run": "of `frequency_response` alone; default: decades around the resonance",
-    "rtol run": "default: `1e-6`; for another `function`, `1e-8`",
+    "frequency run": "only for `frequency_response`; default: decades around the resonance",
+    "rtol run": "default: `1e-6` for `simulate`, `1e-8` for limit cycles",
     "method run": 'default: `"auto"`',
     "function run": 'default: `"simulate"`',
     "function sweep": "required",
@@ -161,12 +161,21 @@ def _otherwise(table, key):
         said = OTHERWISE.get(f"{key} {table}")
         return f"; {said}" if said else ""
     if key == "law_file":
-        return "; its law is then the default of `law`"
+        return "; `law` may then be left out"
     if key in WHOLE_CONTACT:
         return f"; in place of `{WHOLE_CONTACT[key]}`, with `area`"
     if key not in COMMON:
-        return "; required under the laws that have it"
+        return f"; required with {_owners(key)}"
     return "; required" if key in NEEDED else f"; default: `{COMMON[key]!r}`"
+
+
+def _owners(key):
+    """The laws and forms of friction that have a parameter of their own."""
+    from ratestate.friction.forms import FORMS
+    from ratestate.friction.laws import laws_with
+
+    forms = [name for name, form in FORMS.items() if key in form.OWN_PARAMETERS]
+    return " or ".join(f'`"{name}"`' for name in [*laws_with(key), *forms])
 
 
 def mistakes():

@@ -50,7 +50,7 @@ def value_of(symbol, text, label, bound=None):
     if exact or SMALLEST <= abs(found) <= LARGEST:
         return found
     raise rs.ParameterError(
-        "is beyond any size", rs.QUANTITIES[symbol].remedy, symbol=label, value=repr(text)
+        "is out of range", rs.QUANTITIES[symbol].remedy, symbol=label, value=repr(text)
     )
 
 

@@ -197,7 +197,7 @@ def test_alpha_counts_and_is_kept():
     assert abs(fast[0]) < 1e-3  # the mass does not follow
     with pytest.raises(rs.ParameterError, match=r"alpha = -0.1 must be >= 0"):
         FIG2.replace(alpha=-0.1)
-    with pytest.raises(rs.ParameterError, match=r"alpha needs b"):
+    with pytest.raises(rs.ParameterError, match=r"alpha cannot be used with b = 0"):
         FIG2.replace(alpha=0.1, b=0.0)
 
 

@@ -186,13 +186,13 @@ ROWS = [0, 1], [1, 1]
             "t = 1.0 s must come after t = 2.0 s, u",
         ),
         (lambda: SINUSOID.sigma_sinusoid(1.0, period=1.0), "has a sinusoid already"),
-        (lambda: AT.sigma_sinusoid(1.0), "either its period or its frequency"),
+        (lambda: AT.sigma_sinusoid(1.0), "either a period or a frequency"),
         (lambda: AT.sigma_sinusoid(-1.0, period=1), "amplitude = -1 Pa"),
         (lambda: rs.Loading.series(*ROWS, sigma=[1e6]), "sigma has 1 values for 2 times"),
         (lambda: rs.Loading.series(*ROWS, sigma=[1e6, 0.0]), "sigma[1] = 0 Pa"),
         (
             lambda: rs.Loading.series(*ROWS, sigma=[1e6, 1e6]).sigma_step(0.5, 2e6),
-            "the series has a normal stress of its own",
+            "the series already has a normal stress",
         ),
         (
             lambda: rs.Loading.series(*ROWS).sigma_step(1.0, 2e6),

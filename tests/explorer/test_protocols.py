@@ -44,7 +44,7 @@ class TestEntries:
             ("1 m/s for 1 s; 3 MPa for 1 s", "V of segment 2 = '3 MPa' is a stress. Give"),
             ("1 m/s at for 1 s", "sigma of segment 1 = '' is not a number with a unit. Give"),
             ("1 m/s for 2 s;", "segment 2 = '' is not a segment. Give 'V for T' or 'V at"),
-            ("1e21 for 1 s", "V of segment 1 = '1e21 m/s' is beyond any size"),
+            ("1e21 for 1 s", "V of segment 1 = '1e21 m/s' is out of range"),
             (" ", "protocol is empty. Give 'V for T' or 'V at SIGMA for T'"),
             ("; ".join(["1 m/s for 1 s"] * 21), "has 21 segments in 313 characters, and a page"),
             ("1 m/s for 1 s" + " " * 988, "has 1 segments in 1001 characters, and a page may have"),

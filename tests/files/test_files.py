@@ -239,7 +239,7 @@ def test_only_results_are_replaced(results, tmp_path):
     file = tmp_path / "file.zarr"
     file.write_text("years of work")
     for path in (store, other, deep, foreign, tmp_path, file):
-        with pytest.raises(ParameterError, match=r"another ending|is not replaced|is a file"):
+        with pytest.raises(ParameterError, match=r"unsupported ending|is not replaced|is a file"):
             files.write(results["cycle"], path)
     assert file.read_text() == "years of work"
     assert (store / "sweep").is_dir()

@@ -126,10 +126,22 @@ OWN = "parameters = {{{}: rs.laws.Parameter({})}}"
         ),
         ('states = {"theta": "Dc"}', "law 'plain': states['theta'] = 'Dc' must be the symbols of"),
         ("states = {}", "law 'plain': states is empty. Leave it out for theta alone."),
-        ('states = {"tau": ("b", "Dc")}', "law 'plain' of FILE: its state 'tau' is another quant"),
-        (OWN.format("'K'", "'1', 'x'"), "law 'plain' of FILE: its parameter 'K' is another quant"),
-        (OWN.format("'law'", "'1', 'x'"), "law 'plain' of FILE: its parameter 'law' is another q"),
-        (OWN.format("'q'", "'furlong', 'x'"), "law 'plain' of FILE: its parameter q has the unit"),
+        (
+            'states = {"tau": ("b", "Dc")}',
+            "law 'plain' of FILE: the name of its state 'tau' is used",
+        ),
+        (
+            OWN.format("'K'", "'1', 'x'"),
+            "law 'plain' of FILE: the name of its parameter 'K' is used",
+        ),
+        (
+            OWN.format("'law'", "'1', 'x'"),
+            "law 'plain' of FILE: the name of its parameter 'law' is",
+        ),
+        (
+            OWN.format("'q'", "'furlong', 'x'"),
+            "law 'plain' of FILE: its parameter q has an unknown unit",
+        ),
         (
             OWN.format("'q'", "'m', 'x', '> 0', '3 kg'"),
             "law 'plain' of FILE: the example of its parameter q cannot be used: q = '3 kg' is a",

@@ -54,7 +54,9 @@ def test_a_parameter_may_be_corrected_in_the_file(law_file):
     )
     assert rs.SpringSlider(**COMMON, law=edited, q=0.0).q == 0
     other = CUBIC.replace('"cubic"', '"other"').replace('"offset"', '"something"')
-    with pytest.raises(rs.ParameterError, match="its parameter 'q' is another quantity"):
+    with pytest.raises(
+        rs.ParameterError, match="the name of its parameter 'q' is used for another quantity"
+    ):
         rs.register(law_file(other))
 
 

@@ -316,7 +316,7 @@ def test_a_store_that_workers_cannot_write_to(client, cycles, alone, once_done, 
     cycles(Slow)
     path, moved = tmp_path / "x.zarr", tmp_path / "y.zarr"
     once_done(8, lambda: path.rename(moved))
-    with pytest.raises(StoreError, match=r"x\.zarr is gone, or a part of it"):
+    with pytest.raises(StoreError, match=r"x\.zarr or a part of it was removed"):
         sweep("limit_cycle", client=client, chunk=4, store=path)
     while any(client.processing().values()):
         time.sleep(0.02)

@@ -157,7 +157,7 @@ def test_the_job_script():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (4, "slurm = 4 is not a text. Give options such as 'jobs=10"),
+        (4, "slurm = 4 must be text. Give options such as 'jobs=10"),
         ("", "slurm: '' is not key=value with a key of jobs, replacements, wait, cores"),
         ("cores=4,memory=4GB,partition=a", "'partition=a' is not key=value with a key of .* queue"),
         ("cores=4", "slurm: memory of a job is not given"),
@@ -319,8 +319,8 @@ def test_jobs_are_replaced_until_that_is_used_up(slurm, kept, capfd):
         leave(jobs, worker)
         keep_until_submitted(slurm, jobs, 3)
         assert capfd.readouterr().err == (
-            f"ratestate: SLURM jobs lost: job {first} (TIMEOUT). 1 submitted instead, and "
-            f"at most 1 more will be\n"
+            f"ratestate: SLURM jobs lost: job {first} (TIMEOUT). Replacements submitted: 1. "
+            f"At most 1 more are allowed.\n"
         )
         slurm.say(second, "CANCELLED")
         slurm.forget(3)
@@ -328,14 +328,14 @@ def test_jobs_are_replaced_until_that_is_used_up(slurm, kept, capfd):
         said = capfd.readouterr().err
         assert f"job {second} (CANCELLED)" in said
         assert "job 3 (COMPLETED)" in said
-        assert "1 submitted instead, and at most 0 more will be" in said
+        assert "Replacements submitted: 1. At most 0 more are allowed." in said
         keep_until_submitted(slurm, jobs, 4)
         assert ids(jobs) == ["4"]
         slurm.say(4, "NODE_FAIL")
         (slurm.folder / "reason").write_text("Why")
         message = (
-            r"^No SLURM job is left, the last was job 4 \(NODE_FAIL, Why\), and all 2 replacements "
-            r"are used up\. .* with a longer walltime or more replacements=N\.$"
+            r"^No SLURM job is left, and all 2 replacements are used\. The last job was lost: "
+            r"job 4 \(NODE_FAIL, Why\)\. .* with a longer walltime or more replacements=N\.$"
         )
         with pytest.raises(rs.SolverError, match=message):
             jobs.maintain()
@@ -426,6 +426,7 @@ def test_a_sweep_outlives_its_jobs(slurm, monkeypatch, capfd, tmp_path):
     said = [line for line in capfd.readouterr().err.splitlines() if "lost" in line]
     lost = f"job {cancelled[0]} (CANCELLED)"
     assert said == [
-        f"ratestate: SLURM jobs lost: {lost}. 1 submitted instead, and at most 19 more will be"
+        f"ratestate: SLURM jobs lost: {lost}. Replacements submitted: 1. "
+        f"At most 19 more are allowed."
     ]
     xarray.testing.assert_identical(found, rs.sweep("stability", SLIDER, **arguments))

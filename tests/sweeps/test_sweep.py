@@ -312,7 +312,7 @@ def test_variables_that_some_cases_share_are_kept(monkeypatch, chunk):
         ({"chunk": 1.5}, "chunk = 1.5 must"),
         ({"chunk": True}, "chunk = True must"),
         ({"device": "tpu"}, "device = 'tpu' is unknown. Choose one of cpu, cuda"),
-        ({"function": "stability", "device": "cuda"}, "closed form. Leave device out"),
+        ({"function": "stability", "device": "cuda"}, "needs no GPU. Leave device out"),
     ],
 )
 def test_bad_input(how, message):

@@ -53,10 +53,9 @@ RETURNS, TURNS, VISIBLE = 40, 3, 1e-3
 def escape(slider, V_lp):
     """Find the smallest disturbances of steady sliding at V_lp that do not decay.
 
-    A step is steady sliding at another speed, if that is stable, until the load point's speed
-    changes to V_lp.  A kick is a sudden change of the spring's stress while sliding steadily at
-    V_lp.  Under a law whose sliding is unstable between two speeds only, steps come from the side
-    of V_lp.
+    There are two kinds of disturbance.  In a step, the slider slides steadily at another speed, at
+    which steady sliding is stable, until the load point's speed changes to V_lp.  In a kick, the
+    spring's stress changes suddenly while the slider slides steadily at V_lp.
 
     Parameters
     ----------
@@ -68,26 +67,31 @@ def escape(slider, V_lp):
     Returns
     -------
     xarray.Dataset
-        - ``step_up`` and ``step_down`` [1]: V_lp divided by the earlier speed, > 1 and < 1;
-          ``kick_up`` > 0 and ``kick_down`` < 0 [Pa]: change of tau.  If every disturbance of up to
-          12 decades of V, or 27 a sigma, decays, step_up = kick_up = inf, step_down = 0 and
-          kick_down = -inf (no step comes from beyond V_c, or V_c_upper); if steady sliding is
-          unstable (K <= K_c), steps are 1, kicks 0.
-        - ``outcome``, the motion beyond: "cycle", "irregular cycles" (they do not repeat),
-          "runaway" (M = 0), "none", "no steady sliding" if that is unstable, or "unknown" in a
-          sweep if an orbit could not be followed or did not settle (that size is NaN); it is
-          "irregular cycles" if any of the four disturbances leads to them.
-        - ``amplitude`` and ``period`` [s] of the limit cycle beyond; ``unstable_amplitude`` (max -
-          min of tau/sigma), ``unstable_period`` [s] and ``unstable_multiplier`` (by which a
-          distance from it grows in a period) of the unstable cycle between.  NaN if there is none.
+        - ``step_up`` > 1 and ``step_down`` < 1: V_lp divided by the speed before the smallest
+          step; inf and 0 if every step of up to 12 decades decays; 1 if steady sliding at V_lp is
+          unstable (K <= K_c);
+        - ``kick_up`` > 0 and ``kick_down`` < 0: smallest change of tau [Pa]; inf and -inf if every
+          change of up to 27 a sigma decays; 0 if steady sliding is unstable;
+        - ``outcome``: the motion after such a disturbance.  "cycle", "irregular cycles" that do not
+          repeat, "runaway" (M = 0), "none" if all disturbances decay, or "no steady sliding" if it
+          is unstable.  It is "irregular cycles" if any of the four disturbances leads to them;
+        - ``amplitude`` (max - min of tau/sigma) and ``period`` [s] of the limit cycle reached;
+        - ``unstable_amplitude``, ``unstable_period`` [s] and ``unstable_multiplier`` of the
+          unstable cycle that separates it from steady sliding; a distance from this cycle grows by
+          the multiplier in a period.  NaN if there is no such cycle.
 
     Raises
     ------
     ParameterError
-        An input that cannot be used; a law without second derivatives.
+        If an argument cannot be used, or if the law has no second derivatives.
     SolverError
-        An orbit could not be followed to its end, or did not settle; in a sweep such a case is
-        "unknown".
+        If a motion cannot be followed to its end or does not settle.  In a sweep no error is
+        raised: the outcome is "unknown", and the size is NaN.
+
+    Notes
+    -----
+    Steps come only from speeds at which steady sliding is stable: from below V_c or from above
+    V_c_upper, on the side of V_lp.
 
     Examples
     --------

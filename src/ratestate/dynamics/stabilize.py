@@ -37,28 +37,28 @@ def stabilize(slider, V_lp, margin=1.1):
     V_lp : float, str, pint.Quantity or xarray.DataArray
         Working speed [m/s], > 0.
     margin : float
-        Each remedy alone makes steady sliding at margin times V_lp just stable.
+        Each remedy alone makes steady sliding just stable at margin times V_lp.
 
     Returns
     -------
     xarray.Dataset
-        ``K_stable`` [Pa/m], the least stiffness, which is K_c at that speed, 0 if any stiffness
-        will do; ``M_stable`` [kg/m^2], the largest mass per area, inf if any mass will do, and NaN
-        if no mass will; ``damping_stable`` [Pa s/m], the least damping, 0 if none is needed, with
-        its ratio ``damping_ratio_stable`` to critical damping 2 sqrt(K M), NaN if M = 0.  For each
-        remedy the critical velocity of the slider that has it, ``V_c_with_K``, ``V_c_with_M`` and
-        ``V_c_with_damping`` [m/s]: with damping it may be 0, if the slider stays unstable at low
-        speeds.
+        - ``K_stable``: least stiffness [Pa/m]; 0 if any stiffness suffices;
+        - ``M_stable``: largest mass per area [kg/m^2]; inf if any mass will do, NaN if none will;
+        - ``damping_stable``: least damping [Pa s/m]; 0 if none is needed;
+        - ``damping_ratio_stable``: this damping divided by the critical damping 2 sqrt(K M); NaN if
+          M = 0;
+        - ``V_c_with_K``, ``V_c_with_M`` and ``V_c_with_damping``: critical velocity [m/s] after
+          each remedy.  With damping it may be 0: the slider then stays unstable at low speeds.
 
     Raises
     ------
     ParameterError
-        V_lp is not a speed > 0, margin is not a number > 0, or coordinates clash.
+        If V_lp is not a speed > 0, margin is not a number > 0, or coordinates clash.
 
     Notes
     -----
-    The stiffness is K_c, as in `stability` (eq. 6 with damping and any law).  Mass and damping are
-    found by bisection of the stability at this speed.
+    The stiffness is K_c at this speed, as in `stability`.  Mass and damping are found by bisection
+    of the stability at this speed.
 
     Examples
     --------

@@ -44,18 +44,27 @@ def stability(slider, V_lp):
     Returns
     -------
     xarray.Dataset
-        In the dimensions of the named DataArrays on which each depends: ``K_c`` (eq. 6) and
-        ``K_c_qs`` [Pa/m], ``eta`` (eq. 7), ``V_c`` (eq. 10) [m/s], ``f_n`` [Hz], ``eigenvalues``
-        [1/s] (last dimension ``mode``, least stable first), ``growth_rate`` [1/s] and ``omega``
-        [rad/s] (real and imaginary part of the first mode; omega is 0 if it does not
-        oscillate), ``omega_c`` [rad/s] and ``stable`` (K > K_c).  If K = inf, sliding is stable,
-        V_c and f_n are inf, and the eigenvalues are -V/Dc and twice -inf.  For other limits see
-        the functions of these names in `ratestate.formulas`.
+        Each variable has the dimensions of the named DataArrays on which it depends:
+
+        - ``K_c`` and ``K_c_qs``: critical stiffness with inertia (eq. 6) and without [Pa/m];
+        - ``eta``: dynamic instability coefficient (eq. 7);
+        - ``V_c``: critical velocity (eq. 10) [m/s];
+        - ``f_n``: natural frequency [Hz];
+        - ``eigenvalues`` [1/s], in the dimension ``mode``, least stable first;
+        - ``growth_rate`` [1/s] and ``omega`` [rad/s]: real and imaginary part of the first
+          eigenvalue; omega is 0 if this mode does not oscillate;
+        - ``omega_c``: angular frequency at the Hopf bifurcation [rad/s];
+        - ``stable``: whether K > K_c.
 
     Raises
     ------
     ParameterError
-        V_lp is not a speed > 0, or its coordinates clash with the slider's.
+        If V_lp is not a speed > 0, or if its coordinates clash with the slider's.
+
+    Notes
+    -----
+    If K = inf, sliding is stable, V_c and f_n are inf, and the eigenvalues are -V/Dc and twice
+    -inf.  For other limits see the functions of these names in `ratestate.formulas`.
     """
     call = stability_call(slider, V_lp)
     into_store = "Sweep into a store, sweep(stability, ..., store='x.zarr')."
@@ -127,42 +136,50 @@ def steady_stress(result, V):
 def frequency_response(slider, V_lp, frequency=None):
     """Compute how steady sliding responds to small sinusoids of speed and normal stress.
 
-    The system is linear: if V_lp oscillates with the amplitude A, tau oscillates with
-    tau_by_V_lp A.  The size of this complex number is the gain, its angle is the phase by which tau
-    leads.
+    The response is linear: if V_lp oscillates with the amplitude A, tau oscillates with the
+    amplitude |tau_by_V_lp| A.  The magnitude of the complex tau_by_V_lp is the gain.  Its angle is
+    the phase by which tau leads.
 
     Parameters
     ----------
     slider : SpringSlider
-        Parameters may be named DataArrays.  ``alpha`` is the response of its state to normal
-        stress; damping and mass are taken into account.
+        Parameters may be named DataArrays.
     V_lp : float, str, pint.Quantity or DataArray
         Mean load-point velocity [m/s], > 0.
     frequency : float, str, pint.Quantity, array_like or DataArray, optional
-        Frequency [Hz], > 0; a list or a one-dimensional array is along ``frequency``.  By default
-        60 a decade, from one decade below to one above the frequencies of the state
-        (V_lp/(2 pi Dc)), f_n and the resonance.
+        Frequency [Hz], > 0.  A list or 1-D array gets the dimension ``frequency``.  By default
+        there are 60 frequencies per decade.  They extend by a decade beyond V_lp/(2 pi Dc), f_n and
+        the resonance on both sides.
 
     Returns
     -------
     xarray.Dataset
-        In the dimensions of the named DataArrays together, complex: ``V_by_V_lp`` [1],
-        ``tau_by_V_lp`` [Pa s/m], ``mu_by_V_lp`` [s/m], ``V_by_sigma`` [m/(Pa s)],
-        ``tau_by_sigma`` [1] and ``mu_by_sigma`` [1/Pa]; for each also the ``_gain`` and the
-        ``_phase`` [rad], from -pi to pi, such as ``tau_by_V_lp_gain``.  V is the slider's speed,
-        tau the spring's stress.
+        Complex responses, in the dimensions of all named DataArrays:
 
-        In these dimensions except frequency: ``resonance`` [Hz], the frequency at which the slider
-        oscillates by itself, and its ``quality`` [1] (a large one means a decay by exp(-pi/quality)
-        in a period); NaN if it does not oscillate.  They follow from the least damped pair of
-        eigenvalues l: |Im l|/(2 pi) and |l|/(2 |Re l|).  Near K_c the resonance is the frequency of
-        the Hopf bifurcation.  ``stable``: whether steady sliding is stable; if not, no response
-        settles, and all else is NaN.
+        - ``V_by_V_lp`` [1], ``tau_by_V_lp`` [Pa s/m] and ``mu_by_V_lp`` [s/m], with the slider's
+          speed V and the spring's stress tau;
+        - ``V_by_sigma`` [m/(Pa s)], ``tau_by_sigma`` [1] and ``mu_by_sigma`` [1/Pa];
+        - the gain and the phase [rad] of each, such as ``tau_by_V_lp_gain`` and
+          ``tau_by_V_lp_phase``, from -pi to pi.
+
+        In the dimensions without frequency:
+
+        - ``resonance`` [Hz]: the frequency at which the slider oscillates by itself; NaN if it does
+          not oscillate;
+        - ``quality`` [1]: quality factor of the resonance.  If it is large, oscillations decay by
+          the factor exp(-pi/quality) in a period;
+        - ``stable``: whether steady sliding is stable.  If not, all other variables are NaN.
 
     Raises
     ------
     ParameterError
-        Wrong values or units; arrays that clash; a single slider whose steady sliding is unstable.
+        If a value or unit is wrong, or if arrays clash.  Also if the steady sliding of a single
+        slider is unstable.
+
+    Notes
+    -----
+    Resonance and quality follow from the least damped pair of eigenvalues l: |Im l|/(2 pi) and
+    |l|/(2 |Re l|).  Near K_c the resonance is the frequency of the Hopf bifurcation.
 
     Examples
     --------

@@ -35,10 +35,10 @@ class Verdict:
         Load-point velocity [m/s].
     regime : str
         "steady", "slow stick-slip", "stick-slip" or "quasi-harmonic" (see
-        `ratestate.classify`): what is reached from steady sliding at a tenth of the speed.
-        Without mass (M = 0) also "runaway", a motion that ends at some time; and "conditionally
-        stable" if that start runs away but small disturbances of steady sliding decay.
-        "unknown" if the search failed, as the text says.
+        `ratestate.classify`): the motion reached from steady sliding at a tenth of V_lp.  If M = 0,
+        also "runaway", whose speed grows without bound in a finite time, and "conditionally
+        stable": the motion from that start runs away, but small disturbances of steady sliding
+        decay.  "unknown" if the search failed.
     stable : bool
         Whether steady sliding is stable: K > K_c.
     K_c, K_c_qs : float
@@ -153,12 +153,12 @@ def verdict(slider, V_lp, cycle=None):
     Returns
     -------
     Verdict
-        If the search for a cycle fails, `sentences` say so.
+        If the search for a cycle fails, its ``sentences`` say so.
 
     Raises
     ------
     ParameterError
-        An input that cannot be used.
+        If an argument cannot be used.
 
     Examples
     --------

@@ -86,7 +86,7 @@ def read(path):
     if reader is None:
         why = " (a .csv file lacks the parameters)" if ending == ".csv" else ""
         raise ParameterError(
-            f"the name of the result {path} has another ending{why}",
+            f"the name of the result {path} has an unsupported ending{why}",
             f"A result is read from a name that ends in {listed(READABLE)}.",
         )
     try:

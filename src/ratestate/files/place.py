@@ -46,7 +46,7 @@ def checked_path(path, endings):
     ending = path.suffix.lower()
     if ending not in endings:
         raise ParameterError(
-            f"the name {str(path)!r} has another ending",
+            f"the name {str(path)!r} has an unsupported ending",
             f"Give a name that ends in {listed(endings)}.",
         )
     if path.is_dir() and not (ending == ".zarr" and _is_replaceable(path)):

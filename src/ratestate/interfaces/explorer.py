@@ -22,8 +22,8 @@ def explorer_package():
 def explore(slider, V_lp):
     """Open the interactive explorer for a slider, in the browser or in a notebook.
 
-    A thread of this process serves the page on 127.0.0.1, for the browser of this machine only.
-    The page's method ``close`` ends the thread; otherwise the end of the process does.
+    A thread of this process serves the page on 127.0.0.1, which only this machine can reach.  The
+    thread ends with the page's method ``close``, or with the process.
 
     Parameters
     ----------
@@ -35,14 +35,14 @@ def explore(slider, V_lp):
     Returns
     -------
     Page
-        With its address ``url``, and the methods ``open`` (in the browser), ``save`` (as one HTML
-        file) and ``close``.
+        The page.  ``url`` is its address, ``open`` shows it in the browser, ``save`` writes it as
+        one HTML file, and ``close`` ends it.
 
     Raises
     ------
     ParameterError
-        No slider, arrays, or values that the page cannot show; or the extra "explorer" is not
-        installed.
+        If slider is not a single slider, if the page cannot show its values, or if the extra
+        "explorer" is not installed.
 
     Notes
     -----

@@ -164,6 +164,6 @@ def _raise_disagreement(law, batch, i, v, states, p, given):
     values = {"tau": tau, "balance": balance}
     where, remedy = "without inertia (M = 0)", "Leave one of them out, or give M > 0."
     if np.isinf(K):
-        where, remedy = "where K = inf", f"Leave {names.replace('and', 'or')} or tau out."
+        where, remedy = "if K = inf,", f"Leave {names.replace('and', 'or')} or tau out."
     which = f"V, {names} and tau" if "V" in given else f"{names} and tau"
     raise refusal("initial.disagree", which=which, where=where, remedy=remedy, **values)

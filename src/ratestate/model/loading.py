@@ -16,15 +16,15 @@ from .units import is_array, one_in_si, to_si
 class Loading(LoadPoint):
     """History of the load-point velocity, and of the normal stress, from t = 0 on.
 
-    Make a loading by `constant`, `steps`, `series` or `sinusoid`.  Extend the first two by `step`,
-    `hold` and `ramp`, and all four by `sigma_step`, `sigma_ramp` and `sigma_sinusoid`.  These
-    methods return a new loading and do not change the old one.  Speeds and normal stresses may be
-    named DataArrays.  All cases share the same times.
+    Make a loading with `constant`, `steps`, `series` or `sinusoid`.  Extend the first two with
+    `step`, `hold` and `ramp`, and all four with `sigma_step`, `sigma_ramp` and `sigma_sinusoid`.
+    These methods return a new loading and do not change the old one.  Speeds and normal stresses
+    may be named DataArrays, which make a sweep.  All cases of a sweep share the same times.
 
     Attributes
     ----------
     speed : History
-        Speed of the load point [m/s]; ``t``, ``V`` and ``rate`` belong to it.
+        Speed of the load point [m/s], with its attributes ``t``, ``V`` and ``rate``.
     t_last : float
         End of the history [s]; inf unless the loading is a series or a sinusoid.
     normal_stress : History or None
@@ -35,8 +35,8 @@ class Loading(LoadPoint):
     Raises
     ------
     ParameterError
-        By all methods, if a value has a wrong unit or is out of range, if an event begins before
-        the last one ends or after the end of a series or sinusoid, or if arrays clash.
+        If a value has a wrong unit or is out of range, or if arrays clash.  Also if an event
+        begins before the last one ends, or after the end of a series or sinusoid.
 
     Examples
     --------
@@ -94,7 +94,7 @@ class Loading(LoadPoint):
         V_lp : sequence of N speeds
             Speeds [m/s], >= 0; each may be a string with a unit or a named DataArray.
         sigma : sequence of N stresses, optional
-            Normal stresses [Pa], > 0, in the same forms.  The first equals the slider's sigma.
+            Normal stresses [Pa], > 0, in the same forms.  The first must equal the slider's sigma.
         """
         given = {"t": t, "V_lp": V_lp} | ({} if sigma is None else {"sigma": sigma})
         columns = (column_to_si(symbol, values) for symbol, values in given.items())

@@ -37,7 +37,7 @@ class SpringSlider(SliderParameters):
         Normal stress [Pa], > 0; its value at t = 0 if the loading changes it.
     K : float, str or DataArray
         Stiffness of the spring per area [Pa/m], > 0.  inf is the rigid limit, V = V_lp.  K may also
-        be friction per length, K/sigma, such as "1e-3/um", which is multiplied by sigma.
+        be friction per length, such as "1e-3/um".  It is then multiplied by sigma.
     M : float, str or DataArray
         Mass per area [kg/m^2], >= 0.  The default, 0, is the quasi-static limit, or the
         quasi-dynamic limit if there is damping.
@@ -51,10 +51,10 @@ class SpringSlider(SliderParameters):
         Friction law: a name in `ratestate.laws.catalogue` or a synonym, such as "Ruina" (eq. 3)
         or "Dieterich" (eq. 2), in upper or lower case.  The attribute is the law's name.
     friction_form : {"log", "cut-off", "regularized"}, optional
-        How friction depends on speed and state.  "log", the default, is eq. 1.  "cut-off" limits
-        the logarithms at high speeds (V1) and at young states (V2; Okubo 1989).  "regularized"
-        replaces them by an inverse hyperbolic sine (Rice & Ben-Zion 1996): friction is finite at
-        rest, and slip may reverse.  The law "flash-heating" uses "regularized".
+        How friction depends on speed and state.  "log", the default, is eq. 1.  With "cut-off"
+        friction hardly depends on V above V1, and on theta below Dc/V2 (Okubo 1989).  "regularized"
+        replaces the logarithm by an inverse hyperbolic sine (Rice & Ben-Zion 1996): friction is
+        finite at rest, and slip may reverse.  The law "flash-heating" uses "regularized".
     damping : float, str or DataArray
         Damping [Pa s/m], >= 0, by default 0: a dashpot parallel to friction, or radiation of shear
         waves, G/(2 c_s).  A slider with damping and without mass is quasi-dynamic.  Its velocity
@@ -67,17 +67,16 @@ class SpringSlider(SliderParameters):
     area : float, str or DataArray, optional
         Area of the contact [m^2], > 0.  The motion does not depend on it.  If it is given, sigma,
         K, M and damping may be values of the whole contact [N, N/m, kg, N s/m], and reports and
-        figures show such values, and forces.
+        figures show forces.
     **of_law : float, str or DataArray
-        Parameters of the law or form of friction that are not listed here.  All are required: b2
-        and Dc2 of "two-state-slip", for example, or V1 and V2 of "cut-off".
+        Parameters that only this law or form of friction has, such as b2 and Dc2 of
+        "two-state-slip", or V1 and V2 of "cut-off".  All of them are required.
 
     Raises
     ------
     ParameterError
-        If a parameter is unknown, mistyped or missing, or does not belong to the law; if a value
-        has a wrong type or unit or is out of range; if the law or the form of friction is unknown,
-        or the two cannot be combined; if arrays clash, including a method's V.
+        If a parameter is unknown or missing, or has a wrong type or unit or a value out of range.
+        Also if law and form of friction cannot be combined, or if arrays clash.
 
     Examples
     --------

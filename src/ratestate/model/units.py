@@ -144,7 +144,7 @@ def one_in_si(symbol, value, *, label=None, bound=None):
     """Convert a single number to SI by `to_si`; ParameterError for array or list."""
     if isinstance(value, list | tuple) or getattr(value, "ndim", 0) > 0:
         raise ParameterError(
-            "is an array and not one number", QUANTITIES[symbol].remedy, symbol=label or symbol
+            "is an array, but must be one number", QUANTITIES[symbol].remedy, symbol=label or symbol
         )
     return float(to_si(symbol, value, label=label, bound=bound))
 
@@ -195,7 +195,7 @@ def _convert(symbol, number, unit, label, given):
             raise OverflowError
         return value
     except ArithmeticError:  # beyond the exponents of Decimal, or beyond a float
-        problem, hint = "is beyond any size", ""
+        problem, hint = "is out of range", ""
     except ValueError as error:
         problem, hint = str(error), _hint(symbol, unit)
     raise ParameterError(problem, QUANTITIES[symbol].remedy + hint, symbol=label, value=given)
@@ -263,7 +263,7 @@ def _array_to_si(symbol, array, label, bound):
     for dim in array.dims:
         if dim in reserved or not re.match(r"(?!dim_\d)[^\W\d]", str(dim)):
             raise ParameterError(
-                f"has a dimension called {dim!r}, which cannot name a sweep",
+                f"has a dimension called {dim!r}, which cannot be a dimension of a sweep",
                 f"Rename it, for example xarray.DataArray(values, dims='{symbol}').",
                 symbol=label,
             )
@@ -277,8 +277,8 @@ def _array_to_si(symbol, array, label, bound):
         except ValueError as error:
             raise ParameterError(
                 f"has the attribute units = {unit!r}, which {error}",
-                f"{QUANTITIES[symbol].remedy} If the values are in SI already, drop the attribute, "
-                "which xarray's arithmetic keeps, with .drop_attrs().",
+                f"{QUANTITIES[symbol].remedy} If the values are in SI already, remove this "
+                "attribute, which xarray's arithmetic keeps, with .drop_attrs().",
                 symbol=label,
             ) from None
         si.data = scaled(si.data, factor)

@@ -24,8 +24,8 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
         `sweep`, `fit`, `events`, `healing`, `machine_stiffness` or another function, with its
         attributes.
     units : dict, optional
-        Symbol -> unit of its values in tables, such as ``{"V_lp": "mm/s"}``, except for results
-        of records.  By default each value has a unit that fits.
+        Units of symbols in tables, such as ``{"V_lp": "mm/s"}``.  By default each value has a unit
+        that suits its size.  Results of records do not accept units.
 
     Returns
     -------
@@ -35,7 +35,7 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
     Raises
     ------
     ParameterError
-        If it is not such a result, or lacks its attributes.
+        If result is not such a result, or lacks its attributes.
 
     Examples
     --------

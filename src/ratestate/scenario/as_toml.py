@@ -109,7 +109,7 @@ def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
         speeds = [one["V_lp"] for one in (values, *(x.arguments for x in events)) if "V_lp" in one]
         if any(map(is_array, speeds[:-1])):
             raise ParameterError(
-                "a scenario file can sweep no speed of a loading but the last one", AS_PYTHON
+                "a scenario file can sweep only the last speed of a loading", AS_PYTHON
             )
         steps = [_table(call, duration=call.method) for call in events]
         more = {"steps": _lines(steps)} if steps else {}
@@ -156,8 +156,8 @@ def _axis(symbol: str, value: Any) -> str:
         made_of = [f"{quantity} and {by}" for quantity, (_, by) in ways if by in value.dims]
         why = f", as it does if made of {' or of '.join(made_of)}" if made_of else ""
         raise ParameterError(
-            f"{symbol} lies along {', '.join(map(str, value.dims))}{why}, but a scenario file can "
-            "sweep a parameter along a dimension of its own only",
+            f"{symbol} lies along {', '.join(map(str, value.dims))}{why}, but in a scenario file "
+            "each swept parameter needs a dimension of its own",
             AS_PYTHON,
         )
     return _literal(symbol, value.values)

@@ -77,7 +77,8 @@ def call_of(function, slider, arguments):
         raise ParameterError(sentence("call.nothing", name=name))
     _check_names(call)
     if call.batch.n == 0:
-        raise ParameterError(f"no cases: dimensions {dict(call.batch.sizes)}. Give each a value.")
+        sizes = dict(call.batch.sizes)
+        raise ParameterError(f"no cases: dimensions {sizes}. Give each at least one value.")
     return name, call
 
 
@@ -114,7 +115,7 @@ def check_device(name, call, device):
     if not isinstance(device, str) or device not in DEVICES:
         raise ParameterError(f"device = {device!r} is unknown. Choose one of {', '.join(DEVICES)}.")
     if device == "cuda" and name in IN_CLOSED_FORM:
-        raise ParameterError(f"device = 'cuda': {name} is in closed form. Leave device out.")
+        raise ParameterError(f"device = 'cuda': {name} needs no GPU. Leave device out.")
 
 
 def arguments_of(name, call):

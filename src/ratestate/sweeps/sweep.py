@@ -50,62 +50,66 @@ def sweep(
 ):
     """Call a function for every case of its named arrays, in chunks that can be resumed.
 
-    Each case gives the same result, bit for bit, however the sweep is divided, and on any number
-    of cores, threads or machines of one kind (processors of different kinds differ in their last
-    digits).  A case that fails does not affect the others.  Chunks of a store whose files are
-    missing or damaged are computed again, with a RuntimeWarning.
+    A case that fails does not affect the others.  The result of a case is the same to the last bit
+    however the sweep is divided, and on any number of cores, threads or machines.  Processors of
+    different kinds differ in their last digits.
 
     Parameters
     ----------
     function : callable or str
         The function, or its name: `limit_cycle`, `simulate`, `stability` or `frequency_response`.
     slider : SpringSlider
-        With DataArrays for parameters, or none.
+        Parameters may be named DataArrays.
     store : str or path, optional
-        Folder of a Zarr store, such as "x.zarr", which is made, or resumed if the same sweep began
+        Folder of a Zarr store, such as "x.zarr".  It is created, or resumed if the same sweep began
         it.  Without a store the result is kept in memory.
     client : dask.distributed.Client, optional
-        Cluster that does the work; its workers must see the store under the same path.  Without
-        a client all cores of this machine do it.
+        Cluster that computes the cases.  Its workers must reach the store under the same path.
+        Without a client, all cores of this machine are used.
     chunk : int, optional
-        Cases that are solved, and stored, at a time.  By default as many as take some seconds.
+        Number of cases that are computed and stored together.  By default a chunk takes some
+        seconds.
     progress : bool
         Whether to show progress on stderr: a bar on a terminal, else a line now and then.
     device : {"cpu", "cuda"}
-        "cuda": an NVIDIA GPU (of each worker, with a client).
+        "cuda" computes on an NVIDIA GPU.  With a client, each worker needs one.
     slurm : str, optional
-        SLURM jobs that do the work, instead of a client's workers, such as
-        "jobs=10,cores=16,memory=32GB,walltime=02:00:00".  For the other options, lost jobs and
-        dask-jobqueue's configuration see :doc:`Run on SLURM </howto/slurm>`.
+        Options of SLURM jobs that compute the cases instead of a client, such as
+        "jobs=10,cores=16,memory=32GB,walltime=02:00:00".  :doc:`Run on SLURM </howto/slurm>`
+        describes other options and lost jobs.
     **arguments
         The function's other arguments.
 
     Returns
     -------
     xarray.Dataset
-        As the function returns it, with ``status`` for `stability` too.  A case that failed
-        raises nothing: its ``status`` is neither 0 nor 1, and the variable ``message``, "" for all
-        others, says why.  Its numbers are NaN, its flags and counts 0; but ``outside_domain`` is
-        -1, and ``steps`` are those taken unless it crashed.  With a store this is the
-        opened store, which reads numbers when they are used.
+        Result of the function for all cases.  With a store, numbers are read from disk when they
+        are used.  If a case fails, no error is raised.  Instead:
+
+        - ``status`` is neither 0 nor 1;
+        - ``message`` is the reason; it is "" in all other cases;
+        - numbers are NaN, flags and counts are 0, and ``outside_domain`` is -1;
+        - ``steps`` is the number of steps until the failure.
 
     Raises
     ------
     ParameterError
-        An argument that cannot be used, for any case; nothing to sweep over.
+        If an argument cannot be used in some case, or if there is nothing to sweep over.
     StoreError
-        The store belongs to another sweep, or was begun by other programs or on another kind of
-        processor, is in use, or cannot be read or written.
+        If the store belongs to another sweep, is in use, or cannot be read or written.  Also if it
+        was begun by other programs or on another kind of processor.
     SolverError
-        The cluster is lost, no SLURM job is left, or none starts.
+        If the cluster is lost, no SLURM job is left, or none starts.
     KeyboardInterrupt
-        The sweep was interrupted; the message says what is stored, and how to go on.
+        If the sweep is interrupted.  The message says what is stored and how to resume.
 
     Warns
     -----
     RunWarning
-        Once, with their number: runs start on steady sliding that is unstable, and nothing disturbs
-        them (see `simulate`).
+        If runs start in unstable steady sliding and nothing disturbs them (see `simulate`).  There
+        is one warning for all of them.
+    RuntimeWarning
+        If files of the store are missing or damaged.  Their chunks are computed again.
 
     Examples
     --------

@@ -83,7 +83,7 @@ def test_help_has_an_example_and_the_exit_codes(command):
 
 
 def test_helps_show_words_in_brackets():
-    assert "as the table [output] of the file says" in help_of("run")
+    assert "named in the table [output] are written" in help_of("run")
     assert "as [sweep] says" in help_of("branch")
     helps = "".join(help_of(*command.split()) for command in COMMANDS)
     assert "\\[" not in helps

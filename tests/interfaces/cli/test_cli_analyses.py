@@ -500,7 +500,7 @@ def test_a_scenario_from_standard_input(lab):
     assert result.stderr.startswith("error: standard input is not valid TOML: line 1, 'x = [': ")
     result = call("cycle", "-", input="x = 1")
     assert result.stderr.startswith(
-        "error: standard input cannot be used:\nline 1, x: stands above all"
+        "error: standard input cannot be used:\nline 1, x: is above all"
     )
     result = call("run", "-", input="#" * (10**7 + 1))
     assert "standard input cannot be read: it has 10000001 bytes, more than" in result.stderr

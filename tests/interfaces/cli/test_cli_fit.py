@@ -154,8 +154,8 @@ def test_parameters_of_the_law_are_set_or_free(folder):
     lacking = call(*both, "--free", "a,b,Dc,K,b2")
     assert "Dc2 is neither free nor given. Add --set Dc2=VALUE" in lacking.stderr
     own = _options()["of_law"]
-    assert "its value, or where the search begins if --free names it" in own["help"]
-    assert own["show_default"].endswith("else it must be given")  # as Dc2 above
+    assert "its value, or first guess if --free names it" in own["help"]
+    assert own["show_default"].endswith("else required")  # as Dc2 above
     foreign = call(*both, "--set", "c=1")
     said = " ".join(foreign.stderr.replace("│", " ").split())
     assert "'c' is not a parameter of the law's own" in said

@@ -85,7 +85,7 @@ def test_another_law_beside_the_file_is_refused(write):
         (line,) = problems(write(law))
         assert line.startswith(f"[{table}] law: 'aging' is not the law in 'mine.py'.")
     (line,) = problems(write(("law_file", 'law = "mine@12345678"\nlaw_file')))
-    assert "[slider] law: 'mine@12345678' is not the law that 'mine.py' holds now, mine@" in line
+    assert "[slider] law: 'mine@12345678' is not the law in 'mine.py', which is mine@" in line
 
 
 def test_a_file_given_comes_before_that_of_the_scenario(write, law_file):
@@ -100,7 +100,7 @@ def test_the_code_of_a_text_is_not_run(write, law_file, monkeypatch, tmp_path):
     """Nor that of a law that is known by its hash."""
     monkeypatch.chdir(tmp_path)
     with pytest.raises(
-        ParameterError, match=r"'mine.py' is code, which is run for a scenario file"
+        ParameterError, match=r"'mine.py' is code, which is run only for a scenario"
     ):
         loads(TEXT)
     assert [law for law in LAWS if "@" in law] == []
@@ -111,7 +111,7 @@ def test_the_code_of_a_text_is_not_run(write, law_file, monkeypatch, tmp_path):
 
 def test_an_unknown_law_needs_its_file(write):
     (line,) = problems(write(('law_file = "mine.py"', 'law = "mine@12345678"'), ("m = 1.5", "")))
-    assert line.startswith("[slider] law: 'mine@12345678' is a user's own law")
+    assert line.startswith("[slider] law: 'mine@12345678' is the law of a user")
     assert line.endswith("law_file = 'mine.py'.")
 
 

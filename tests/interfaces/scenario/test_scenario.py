@@ -69,7 +69,7 @@ def test_times_are_no_axis(read):
         scenario = read(toml(sweep=SIMULATE | {"times": times, "t_end": "60"}))
         assert type(scenario.settings["times"]) is np.ndarray
         assert scenario.settings["times"].tolist() == expected
-    with pytest.raises(ParameterError, match=r"\[sweep\]: nothing has many values"):
+    with pytest.raises(ParameterError, match=r"\[sweep\]: no key has several values"):
         read(toml(sweep=SIMULATE | {"times": "[1, 2]", "M": None}))
 
 
@@ -160,13 +160,13 @@ def test_all_problems_are_reported_together(read):
     """
     lines = problems_of(read, text)
     expected = f"""\
-loose: stands above all tables. Give one of {TABLES}.
+loose: is above all tables. Give one of {TABLES}.
 [slder]: unknown table. Give one of {TABLES}. Did you mean [slider]?
 [slider] A: unknown key. Give one of {PARAMETERS}, such as a = 0.003. Did you mean a?
 [slider] b: '0.006 m' is a length. Give a pure number such as 0.006.
 [slider] Dc: a list of 1 makes an axis. Write it in [sweep], or give one value such as Dc = '10 um'.
 [slider] law: 'slipp' is unknown. Give one of {NAMES}. Did you mean slip?
-[slider] V_lp: stands in the wrong table. Write it in [loading] or [sweep], \
+[slider] V_lp: is in the wrong table. Write it in [loading] or [sweep], \
 such as V_lp = '3.2 mm/s'.
 [slider] a: is missing. Give a pure number such as 0.003.
 [slider] sigma: is missing. Give a stress such as '2 MPa'.
@@ -189,7 +189,7 @@ MUTATED = [
     ({}, {"M": "[1, 2, -3]"}, "[sweep] M[2]: -3 kg/m^2 must be >= 0"),
     # values
     ({"a": "true"}, {}, "[slider] a: true is not one number"),
-    ({"Dc": "0x" + "f" * 9999}, {}, "[slider] Dc: a huge integer is beyond what can be"),
+    ({"Dc": "0x" + "f" * 9999}, {}, "[slider] Dc: a huge integer is out of range"),
     ({"Dc": '"' + "9" * 10000 + ' m"'}, {}, "[slider] Dc: '9999 * is too long"),
     # keys
     ({'"a\\nb"': "1"}, {}, "[slider] 'a\\nb': unknown key"),
@@ -203,10 +203,10 @@ MUTATED = [
     ({}, {"V_lp": None}, "[sweep] V_lp: is missing"),
     ({}, {"t_end": "3"}, "[sweep] t_end: is not a parameter of the slider or of limit_cycle"),
     ({}, {"function": '"stability"', "rtol": "1e-6"}, "[sweep] rtol: is not a parameter of the"),
-    ({}, {"M": None}, "[sweep]: nothing has many values"),
+    ({}, {"M": None}, "[sweep]: no key has several values"),
     # lists
     ({}, {"rtol": "[1e-6]"}, "[sweep] rtol: a list of 1 is not one number"),
-    ({}, {"M": "[]"}, "[sweep] M: is a list of 0"),
+    ({}, {"M": "[]"}, "[sweep] M: is a list of 0 values"),
     # axes
     *(
         ({}, {"M": f"{{ from = 1, to = 2, n = {n} }}"}, f"[sweep] M.n: {said} cannot be the number")
@@ -224,18 +224,21 @@ MUTATED = [
 ]
 SIMULATED = [
     ({"t_end": "inf"}, "[sweep] t_end: inf s must be finite"),
-    ({"V_lp": "[1, 0]"}, "[sweep] V_start: is missing, but at V_lp = 0 nothing slides"),
+    (
+        {"V_lp": "[1, 0]"},
+        "[sweep] V_start: is missing, but at V_lp = 0 the slider does not slide steadily",
+    ),
     ({"times": "[1, 11]"}, "[sweep] times: reaches 11 s, beyond t_end = 10 s"),
     ({"times": "[-1]"}, "[sweep] times[0]: -1 s must be >= 0"),
     ({"times": "[3]", "t_end": "[2, 4, 5]"}, "[sweep] times: reaches 3 s, beyond t_end"),
-    ({"method": '"rodas5p"'}, "[sweep] method: stands in the wrong table"),
+    ({"method": '"rodas5p"'}, "[sweep] method: is in the wrong table"),
 ]
 BROKEN = [
     ("[slider]\na = 0.003\nDc = 10 um\n", "line 3, 'Dc = 10 um': Expected newline or end"),
     ("[slider]\na = \n", "line 2, 'a =': Invalid value"),
     ('[slider]\nDc = "10 um\n', "line 2, 'Dc = \"10 um': Illegal character"),
     ('[slider]\nDc = """10\n', 'line 2, \'Dc = """10\': Unterminated string'),
-    ("x = " + "[" * 100_000, "too many brackets are inside each other"),
+    ("x = " + "[" * 100_000, "brackets are nested too deeply"),
     ("x = " + "9" * 10_000, "an integer has thousands of digits"),
     (b'[slider]\nDc = "10 \xb5m"\n', "line 2 is not UTF-8"),
     ("a = 1\r[slider]", "line 1, 'a = 1\\r[slider]': Expected newline or end"),
@@ -288,8 +291,8 @@ def test_a_file_that_is_not_toml_is_refused(read, text, what):
     [
         ("[outptu]", "[outptu]: unknown table. * Did you mean [output]?"),
         ("[Slider]\na = 1", "[Slider]: unknown table. * Did you mean [slider]?"),
-        ("a = 3", "a: stands above all tables"),
-        ("[[a]]", "a: stands above all tables"),
+        ("a = 3", "a: is above all tables"),
+        ("[[a]]", "a: is above all tables"),
         ("['x y']", "['x y']: unknown table"),
     ],
 )
@@ -317,4 +320,4 @@ def test_a_sweep_too_large_is_refused_before_it_takes_memory(read, monkeypatch):
     assert f"are {4 * 10**30} cases" in found[1]
     monkeypatch.setattr("ratestate.scenario.values.LONGEST", 3)
     wide = lines(read, toml(sweep=CYCLE | {"M": "[1, 1, 1, 1]"}))
-    assert wide[1].startswith("[sweep] M: is a list of 4. Give 1 to 3 values")
+    assert wide[1].startswith("[sweep] M: is a list of 4 values. Give 1 to 3 values")

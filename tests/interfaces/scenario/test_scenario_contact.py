@@ -83,7 +83,7 @@ def test_a_derived_parameter_is_written_as_python_only(slider, axis, parts):
     with pytest.raises(ParameterError) as caught:
         toml(it)
     assert str(caught.value).startswith(
-        f"K lies along {by}, as it does if made of {parts}, but a scenario file can sweep"
+        f"K lies along {by}, as it does if made of {parts}, but in a scenario file each swept"
     )
     assert "ratestate.scenario.python(scenario)" in caught.value.remedy
     lines = {}
@@ -101,14 +101,14 @@ STRESS = 'sigma = "2 MPa"'
 BAD = [
     (STRESS + '\nK = 9e8\nM = "6 kg"', "", "[slider] M: '6 kg' is of the whole contact"),
     (STRESS + "\nK = 9e8\nmass = 6", "", "[slider] M: '6.0 kg' is of the whole contact"),
-    (WHOLE + "mass = 6", "", "[slider] mass: is given beside M"),
+    (WHOLE + "mass = 6", "", "[slider] mass: is given in addition to M"),
     (WHOLE, 'mass = ["3000 kg/m^2"]', "[sweep] mass[0]: '3000 kg/m^2' is a mass per area"),
-    (WHOLE, 'M = ["6 kg"]\nmass = [6]', "[sweep] mass: is given beside M"),
+    (WHOLE, 'M = ["6 kg"]\nmass = [6]', "[sweep] mass: is given in addition to M"),
     (STRESS, 'K = ["1e-4/um", 9e8]', "[sweep] K: mixes a rate per length and a stiffness"),
     (
         STRESS,
         'K = { from = "1e-4/um", to = "1e20/um", n = 3 }',
-        "[sweep] K.to: '1e20/um' is beyond any usual size, 1e-15 to 1e+15 1/m",
+        "[sweep] K.to: '1e20/um' is far outside the usual range, 1e-15 to 1e+15 1/m",
     ),
 ]
 

@@ -394,7 +394,7 @@ def test_a_result_keeps_what_a_file_cannot_hold(name, tmp_path):
         (
             SLIDER,
             {"loading": Loading.steps(xr.DataArray([1, 2.0], dims="V_lp"), (1, 1.0))},
-            "no speed of a loading but the last one",
+            "only the last speed of a loading",
         ),
         (SLIDER, {"initial": {"V": SAMPLE * 1e-6}}, "initial values cannot be swept"),
         (

@@ -43,10 +43,9 @@ FINER, LOOSEST, TIGHTEST = 0.1, 1e-7, 1e-13
 def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
     """Find the cycle that a slider reaches from steady sliding at V_start.
 
-    The method is shooting: Newton's method on the return map of the section V = V_lp, where the
-    stress has its maximum, with the map's derivative from the variational equations.  If several
-    attractors exist, the result is the one that the motion from the start reaches.  If the stress
-    maxima alternate, the cycle closes after 2, 4, ... returns to the section (period doubling).
+    If several cycles or steady sliding are possible, the result is the motion that is reached from
+    this start.  If stress maxima alternate, the cycle closes after 2, 4, ... maxima (period
+    doubling).
 
     Parameters
     ----------
@@ -55,9 +54,9 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
     V_lp : float, str, pint.Quantity or DataArray
         Load-point velocity [m/s], > 0.
     V_start : float, str, pint.Quantity or DataArray, optional
-        Slip velocity of the steady sliding from which the motion starts [m/s], > 0 and not V_lp;
-        V_lp/10 by default.  Another start may lead to another cycle.  Without mass, a start nearer
-        V_lp may avoid a runaway.
+        The motion starts in steady sliding at this slip velocity [m/s], > 0 and not V_lp.  The
+        default is V_lp/10.  Another start may lead to another cycle.  Without mass, a start nearer
+        to V_lp may avoid a runaway.
     rtol : float
         Relative accuracy of amplitude and period, from 1e-12 to 1e-2.
 
@@ -66,46 +65,52 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
     xarray.Dataset
         In the sweep's dimensions:
 
-        - ``period`` [s], ``frequency`` [Hz], ``amplitude`` (max - min of tau/sigma),
-          ``stress_drop`` [Pa] (max - min of tau), ``V_max`` and ``V_min`` [m/s], ``inertia``
-          (max |tau/sigma - mu| divided by the amplitude);
-        - ``slow_fraction``, the part of the period in which V < V_lp/10, and ``fundamental``, the
-          fraction of the variance of tau in the harmonic with one oscillation per return (1:
-          harmonic, 6/pi^2: sawtooth);
-        - ``multipliers``, complex, in the dimension ``multiplier``: the Floquet multipliers
-          beside the trivial 1, one more than the law has states, the largest first.  Small
-          distances from the cycle change by these factors in a period.  The product is the
-          exponential of the integrated trace of the Jacobian; below 1e-8 only the product is
-          certain.  ``multipliers_error`` is the estimated absolute error of each; with cut-offs it
-          may exceed rtol;
-        - ``outside_domain`` (int8 with CF flags), whether the motion leaves the domain of the
-          friction law: friction would have to push (its smallest mu, ``mu_min``, is negative), or
-          the spring pulls back harder than friction can hold (the smallest tau/sigma + mu,
-          ``reversal_margin``, is negative);
-        - ``stable``, whether small disturbances decay;
-        - ``residual``, the relative distance by which the cycle fails to close, and ``error``, the
-          estimated relative error of amplitude and period.  It includes the rounding of the
-          parameters, which counts 1e7 times and more if the cycle changes abruptly with a
-          parameter, as on a canard; ``V_max_error`` and ``V_min_error``, the errors
-          of the speeds, which may exceed rtol if they span decades (a V_min below 1e-260 V_lp
-          counts as rest);
-        - ``returns``, how many returns to the section make the period: 1, 2, 4, ... up to 32, all
-          of them counted in the other variables; 0 if there is no cycle;
-        - ``status`` (int8 with CF flags).  0 is a cycle; 1 is steady sliding: amplitude,
-          stress_drop, inertia and error are 0, V_max = V_min = V_lp, and variables that only a
-          cycle has are NaN.
+        - ``period`` [s] and ``frequency`` [Hz];
+        - ``amplitude`` (max - min of tau/sigma) and ``stress_drop`` [Pa] (max - min of tau);
+        - ``V_max`` and ``V_min``: largest and smallest slip velocity [m/s];
+        - ``inertia``: max |tau/sigma - mu| divided by the amplitude;
+        - ``slow_fraction``: the part of the period in which V < V_lp/10;
+        - ``fundamental``: the share of the harmonic with one oscillation per stress maximum in the
+          variance of tau.  It is 1 for a sine and 6/pi^2 for a sawtooth;
+        - ``multipliers``: complex Floquet multipliers without the trivial 1, largest first, in the
+          dimension ``multiplier``.  Small distances from the cycle change by these factors in a
+          period.  There is one more than the law has states.  Below 1e-8 only their product is
+          certain;
+        - ``multipliers_error``: estimated absolute error of each multiplier.  With cut-offs it may
+          exceed rtol;
+        - ``stable``: whether small disturbances decay;
+        - ``mu_min`` and ``reversal_margin``: smallest mu, and smallest tau/sigma + mu;
+        - ``outside_domain`` (int8 with CF flags): whether the motion leaves the domain of the
+          friction law.  If mu_min is negative, friction would have to push.  If reversal_margin is
+          negative, the spring pulls back harder than friction can hold;
+        - ``residual``: relative distance by which the cycle fails to close;
+        - ``error``: estimated relative error of amplitude and period.  It includes the effect of
+          rounding of the parameters, which is large if the cycle changes abruptly with a parameter;
+        - ``V_max_error`` and ``V_min_error``: estimated relative errors of the speeds.  They may
+          exceed rtol if speeds span decades.  V_min below 1e-260 V_lp counts as rest;
+        - ``returns``: number of stress maxima in the period: 1, 2, 4, ... 32, or 0 if there is no
+          cycle;
+        - ``status`` (int8 with CF flags): 0 is a cycle, 1 is steady sliding.  In steady sliding
+          amplitude, stress_drop, inertia and error are 0, V_max = V_min = V_lp, and variables of
+          cycles are NaN.
 
     Raises
     ------
     ParameterError
-        An input that cannot be used.
+        If an argument cannot be used.
     QuasiStaticInstability
-        M = 0, and the motion runs into an instability.
+        If M = 0 and the slip velocity grows without bound in a finite time.
     NotConverged
-        The motion settles into no cycle of 1, 2, 4, ... 32 returns, or double precision limits
-        its accuracy to worse than 1 %; ``best`` holds the last return.
+        If the motion does not settle into a cycle of 1, 2, 4, ... 32 maxima, or if double precision
+        limits its accuracy to worse than 1 %.  The attribute ``best`` holds the last return.
     SolverError
-        Any other failure.  In a sweep such cases are NaN, with their status.
+        If the search fails for another reason.  In a sweep no error is raised: such cases are NaN,
+        and their status is the reason.
+
+    Notes
+    -----
+    The method is shooting: Newton's method on the return map of the section V = V_lp at stress
+    maxima.  The derivative of the map comes from the variational equations.
 
     Examples
     --------

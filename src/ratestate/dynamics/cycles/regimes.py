@@ -27,17 +27,18 @@ HARMONIC_SHARE = 0.87
 def classify(cycle):
     """Name the regime of each case, by its measured cycle and by the paper's criterion.
 
-    The rules for the measured cycle, in this order, are: "steady" if there is no cycle;
-    "slow stick-slip" if inertia is negligible (``inertia`` < 0.1), and the stress of damping at
-    V_max is below 0.1 times the amplitude; "quasi-harmonic" if the fundamental's share in the
-    variance of the stress is at least 0.87; "stick-slip" otherwise.  It is "unknown" if the cycle
-    is unknown.  The paper's criterion (sec. 4.2) is stick-slip for eta < 1 and quasi-harmonic for
-    eta >= 1.  Both give Figs 4 and 6 of the paper the paper's names.  The transitions are gradual,
-    and the thresholds between them are a convention.
+    The regime of a measured cycle is the first of these that applies:
 
-    ``slow_fraction`` and ``V_max`` are returned, but are not criteria.  The paper's stick-slip need
-    not stick: if state needs slip to evolve, cycles of eta between 0.005 and 1 are never slower
-    than V_lp/10.  V_max/V_lp falls through all regimes without a step.
+    - "unknown" if the cycle is unknown;
+    - "steady" if there is no cycle;
+    - "slow stick-slip" if inertia is negligible (``inertia`` < 0.1) and the stress of damping at
+      V_max is below 0.1 times the amplitude;
+    - "quasi-harmonic" if the fundamental's share in the variance of the stress is at least 0.87;
+    - "stick-slip" otherwise.
+
+    The paper's criterion (sec. 4.2) is stick-slip for eta < 1 and quasi-harmonic for eta >= 1.  For
+    Figs 4 and 6 of the paper both criteria give the paper's names.  Regimes change gradually, and
+    the thresholds are a convention.
 
     Parameters
     ----------
@@ -47,15 +48,26 @@ def classify(cycle):
     Returns
     -------
     xarray.Dataset
-        In the dimensions of `cycle`: ``regime`` and ``regime_by_eta`` (strings), ``agree`` (bool:
-        whether both are equal, with slow stick-slip as stick-slip; False if unknown), ``eta``, and
-        from `cycle` ``inertia``, ``fundamental``, ``slow_fraction`` and ``V_max`` [m/s].  The
-        attributes have the thresholds.
+        In the dimensions of `cycle`, with the thresholds as attributes:
+
+        - ``regime`` and ``regime_by_eta``: regime of the measured cycle, and by the paper's
+          criterion;
+        - ``agree``: whether both are equal.  "slow stick-slip" counts as stick-slip.  False if the
+          regime is unknown;
+        - ``eta``: dynamic instability coefficient (eq. 7);
+        - ``inertia``, ``fundamental``, ``slow_fraction`` and ``V_max`` [m/s] of `cycle`.
 
     Raises
     ------
     ParameterError
-        `cycle` is not such a result, has lost its attributes, or has a dimension called "eta".
+        If `cycle` is not such a result, has lost its attributes, or has a dimension called "eta".
+
+    Notes
+    -----
+    ``slow_fraction`` is not a criterion, because a block need not stick in the paper's stick-slip:
+    if state needs slip to evolve, cycles with eta between 0.005 and 1 are never slower than
+    V_lp/10.  ``V_max`` is not a criterion either, because V_max/V_lp falls gradually through all
+    regimes.
 
     Examples
     --------

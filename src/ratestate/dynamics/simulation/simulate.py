@@ -57,75 +57,79 @@ def simulate(
     t_end : float, str, pint.Quantity or DataArray
         End of the run [s], > 0.
     V_start : float, str, pint.Quantity or DataArray, optional
-        The run starts in steady sliding at this speed [m/s], > 0; by default at the loading's
-        first, which must then be > 0.
+        The run starts in steady sliding at this speed [m/s], > 0.  The default is the loading's
+        first speed, which must then be > 0.
     initial : dict, optional
         Any of "V" [m/s], "theta" [s] and "tau" [Pa], which override the steady start.
         If M = 0, two of them determine the third.  If K = inf, V is the load point's speed, and
         theta and tau determine each other.  V may be 0 or negative with
         friction_form="regularized".
     times : array_like or DataArray, optional
-        Times to save [s], in increasing order, from 0 to t_end (the shortest, if they
-        differ): 1-D, or a DataArray with the dimensions ``time`` and of the sweep.  By default one
-        slider is saved at each step of the solver and at seven times within each Taylor step, and a
-        sweep only at t_end.
+        Times to save [s], in increasing order, from 0 to the shortest t_end: 1-D, or a DataArray
+        with ``time`` and dimensions of the sweep.  By default a sweep is saved only at t_end.  A
+        single slider is saved at each step of the solver, and at seven times within each Taylor
+        step.
     rtol : float
         Error allowed in a step, in tau/(a sigma), ln V and ln theta: 1e-13 to 0.1, by default
-        1e-6.  If K = inf it is at most 1e-12.
+        1e-6.  If K = inf, the solver uses at most 1e-12.
     method : {"auto", "rodas5p"}
-        "auto" takes Taylor series of order 12 while the motion is not stiff, if the law's formulas
-        are sums, products, quotients and exponentials of speed and state, and Rodas5P otherwise.
-        The paper's own scheme is `ratestate.paper.im2017`.
+        "auto" uses Taylor series of order 12 while the motion is not stiff, and Rodas5P otherwise.
+        The series need a law whose formulas are sums, products, quotients and exponentials of
+        speed and state.  The paper's own scheme is `ratestate.paper.im2017`.
 
     Returns
     -------
     xarray.Dataset
         In the sweep's dimensions, then ``time``:
 
-        - ``V`` and ``V_load`` (slider and load point, [m/s]), ``theta`` [s];
-        - ``delta`` and ``delta_lp`` [m]; delta_lp(0) = 0, and delta(0) = -tau(0)/K;
-        - ``tau`` [Pa] of the spring, and ``mu`` (eq. 1 for these V and theta; NaN if one of them is
-          beyond double precision);
-        - ``sigma`` [Pa] if the loading changes it; tau/sigma is then tau divided by this sigma.
+        - ``V`` and ``V_load``: speeds of slider and load point [m/s];
+        - ``theta``: state [s];
+        - ``delta`` and ``delta_lp``: displacements of slider and load point [m], with
+          delta_lp(0) = 0 and delta(0) = -tau(0)/K;
+        - ``tau``: stress of the spring [Pa];
+        - ``mu``: friction coefficient for V and theta (eq. 1); NaN if either is beyond double
+          precision;
+        - ``sigma``: normal stress [Pa], if the loading changes it.
 
         Per case:
 
-        - ``status`` (int8 with CF flags; 0 finished), ``steps``, and ``energy_residual`` (load work
-          less stored and dissipated energy, divided by the sum of their sizes);
-        - ``cycles``, the number of stress maxima after the first since the last jump in the
-          loading;
-        - ``amplitude`` (max - min of tau/sigma(0), without the first maximum), ``stress_drop`` [Pa]
-          (max - min of tau) and ``frequency`` [Hz] of the last period; 0 if there is none, or its
-          amplitude is below 10 * a * rtol;
-        - ``returns``, the number of maxima in this period: 1 if all are equal, or if there are
-          fewer than about 20; up to 32 if unequal maxima follow each other in a fixed order
-          throughout the later half of the last 64; 0 if they have no such order.  Then this half
-          gives the amplitude, and frequency is the number of maxima in a second;
-        - ``V_max`` and ``V_min`` [m/s] of the run; without mass V_max may be inf, beyond double
-          precision, in a motion that comes back;
-        - ``inertial_force``, the largest |M dV/dt|/sigma(0) (without damping |tau/sigma - mu|);
-        - ``outside_domain`` (int8 with CF flags), whether the run leaves the domain of the friction
-          law: friction would have to push (its smallest mu, ``mu_min``, is negative), or the spring
-          pulls back harder than friction can hold (the smallest (tau + sigma mu)/sigma(0),
-          ``reversal_margin``, is negative).  Both are also searched for between the solver's
-          steps.  With friction_form="regularized" slip reverses instead, and V_min is negative.
+        - ``status`` (int8 with CF flags): 0 if the run finished;
+        - ``steps``: number of steps of the solver;
+        - ``energy_residual``: work of the load point minus stored and dissipated energy, divided by
+          the sum of their magnitudes;
+        - ``cycles``: number of stress maxima after the first, since the last jump in the loading;
+        - ``amplitude`` (max - min of tau/sigma(0)), ``stress_drop`` [Pa] (max - min of tau) and
+          ``frequency`` [Hz] of the last period; 0 if there is no period, or if the amplitude is
+          below 10 * a * rtol.  The first maximum does not count;
+        - ``returns``: number of stress maxima in this period.  It is 1 if all are equal, or if
+          there are fewer than about 20.  It is up to 32 if unequal maxima repeat in a fixed order
+          throughout the later half of the last 64.  It is 0 if they have no fixed order.  In that
+          case this half gives the amplitude, and frequency is the number of maxima per second;
+        - ``V_max`` and ``V_min``: largest and smallest V of the run [m/s].  If M = 0, V_max is inf
+          if V exceeds double precision but falls again;
+        - ``inertial_force``: largest |M dV/dt|/sigma(0), which is |tau/sigma - mu| without damping;
+        - ``mu_min`` and ``reversal_margin``: smallest mu, and smallest (tau + sigma mu)/sigma(0);
+        - ``outside_domain`` (int8 with CF flags): whether the run leaves the domain of the friction
+          law.  If mu_min is negative, friction would have to push.  If reversal_margin is negative,
+          the spring pulls back harder than friction can hold.  With friction_form="regularized"
+          slip reverses instead, and V_min is negative.
 
     Raises
     ------
     ParameterError
-        An input that cannot be used.
+        If an argument cannot be used.
     QuasiStaticInstability
-        M = 0, and the quasi-static equations have no solution beyond some time before t_end.
+        If M = 0 and the quasi-static equations have no solution beyond some time before t_end.
     SolverError
-        Any other run without an answer.  The attribute ``best`` of both errors is the run up to
-        where it ended, at the solver's own steps.  In a sweep the motion of such cases is NaN,
-        with their status.
+        If a run fails for another reason.  The attribute ``best`` of both errors is the run up to
+        its end, at the solver's own steps.  In a sweep no error is raised: the motion of such cases
+        is NaN, and their status is the reason.
 
     Warns
     -----
     RunWarning
-        The run starts exactly on unstable steady sliding, and nothing disturbs it: the load point's
-        speed is constant, and neither V_start nor `initial` differs from steady sliding.
+        If the run starts exactly in unstable steady sliding and nothing disturbs it: the load
+        point's speed is constant, and V_start and `initial` agree with steady sliding.
 
     Examples
     --------

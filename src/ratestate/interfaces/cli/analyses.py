@@ -10,9 +10,9 @@ from .options import Outputs, register_file
 
 
 def run(file: Path | None = None, *, source: Path | None = None, outputs: Outputs) -> None:
-    """Run a scenario file: its loading, or its sweep in memory.
+    """Simulate the loading of a scenario file, or compute its sweep in memory.
 
-    Without --out and --plot, files are written as the table [output] of the file says.
+    Without --out and --plot, the files named in the table [output] are written.
 
     Example: ratestate run lab.toml --plot lab.png
     """
@@ -34,7 +34,7 @@ def run(file: Path | None = None, *, source: Path | None = None, outputs: Output
 
 
 def stability(file: Path, *, outputs: Outputs) -> None:
-    """Find whether steady sliding is stable at the load point's last speed.
+    """Find whether steady sliding is stable at the speed at the end of the loading.
 
     Example: ratestate stability lab.toml
     """
@@ -42,9 +42,9 @@ def stability(file: Path, *, outputs: Outputs) -> None:
 
 
 def response(file: Path, *, frequency: list[str] | None = None, outputs: Outputs) -> None:
-    """Find how steady sliding answers to small oscillations of load point and normal stress.
+    """Find how steady sliding responds to small oscillations of speed and normal stress.
 
-    It is at the load point's last speed, and must be stable there.
+    The mean speed is the speed at the end of the loading, at which sliding must be stable.
 
     Example: ratestate response record.toml --plot response.png
     """
@@ -54,7 +54,7 @@ def response(file: Path, *, frequency: list[str] | None = None, outputs: Outputs
 
 
 def cycle(file: Path, *, outputs: Outputs) -> None:
-    """Find the limit cycle that the slider reaches at the load point's last speed.
+    """Find the limit cycle that the slider reaches at the speed at the end of the loading.
 
     Example: ratestate cycle brake.toml --plot cycle.png
     """

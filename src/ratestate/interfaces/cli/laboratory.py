@@ -50,7 +50,7 @@ def fit(
 ) -> None:
     """Fit friction parameters to a laboratory record of velocity steps, holds or stick-slip.
 
-    It ends with code 3 where an answer carries warnings; they are printed with it.
+    Warnings are printed with the result, and the exit code is then 3.
 
     Example: ratestate fit record.txt --per-step --out fitted
     """
@@ -114,7 +114,7 @@ def healing(
 ) -> None:
     """Evaluate slide-hold-slide tests: healing and relaxation of each hold, and their rates.
 
-    It ends with code 3 where a hold cannot be evaluated; the reasons are printed.
+    If a hold cannot be evaluated, the reason is printed, and the exit code is 3.
 
     Example: ratestate healing holds.txt --out healed
     """
@@ -138,7 +138,7 @@ def stiffness(
     out: Path | None = None,
     json: bool = False,
 ) -> None:
-    """Find stiffness, mass and damping of a machine in its record: slopes of loading, ring-downs.
+    """Find stiffness, mass and damping of a machine from loading slopes and ring-downs in a record.
 
     Example: ratestate stiffness holds.txt --sigma '10 MPa'
     """

@@ -23,7 +23,7 @@ def figures(
 ) -> None:
     """Draw the figures of Im, Marone & Elsworth (2019) and check its claims.
 
-    Each figure is written as .png, .pdf and .nc (its numbers), the claims as .md and .json.
+    Figures are written as .png, .pdf and .nc (their numbers), and claims as .md and .json.
 
     Example: ratestate figures 2 4 --out figures
     """
@@ -69,11 +69,11 @@ def atlas(
     out: Path = OUT,
     json: bool = False,
 ) -> None:
-    """Map the regimes of any spring-slider over its stiffness and speed.
+    """Map the regimes of any spring-slider against its stiffness and speed.
 
-    Writes, for each law, atlas_LAW.png and .pdf (the map) and .nc (its numbers).  A machine, rig or
-    fault with this b/a is a point on the map, at K/K_c_qs and eta; under a law with a speed of its
-    own, at K and V_lp.
+    For each law atlas_LAW.png and .pdf (the map) and .nc (its numbers) are written.  A machine, rig
+    or fault with this b/a is a point on the map, at K/K_c_qs and eta.  If the law has a
+    characteristic speed, the point is at K and V_lp.
 
     Example: ratestate atlas --b-over-a 1.6 --out figures
     """

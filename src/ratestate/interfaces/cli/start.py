@@ -15,7 +15,7 @@ from .output import print_line
 
 
 def init(kind: str = "lab", *, out: Path | None = None, listing: bool = False) -> None:
-    """Write a commented scenario file to start from, and the data that it needs beside it.
+    """Write a commented scenario file to start from, and the data that it needs.
 
     Example: ratestate init brake
     """
@@ -69,10 +69,10 @@ def explore(
     no_browser: bool = False,
     save: Path | None = None,
 ) -> None:
-    """Serve the explorer: sliders, live pictures and the map of regimes, in the browser.
+    """Open the explorer in the browser: change parameters and watch the motion.
 
-    Nothing leaves this machine.  Ctrl-C ends it.  With --save it is written to one HTML file
-    instead, which opens without a server.
+    No data leave this machine.  Ctrl-C ends the explorer.  With --save it is written to an HTML
+    file, which opens without a server.
 
     Example: ratestate explore --port 8765
     """

@@ -32,9 +32,9 @@ def sweep(
     device: Device = "cpu",
     outputs: Outputs,
 ) -> None:
-    """Run the sweep of a scenario file, or resume it.
+    """Compute the sweep of a scenario file into a store, or resume it.
 
-    Results are stored as they are computed: after Ctrl-C or a crash the same command resumes.
+    Results are stored as they are computed.  After Ctrl-C or a crash, run the same command again.
 
     Example: ratestate sweep fig3.toml --store fig3.zarr
     """
