@@ -48,13 +48,16 @@ def stability(slider, V_lp):
 
         - ``K_c`` and ``K_c_qs``: critical stiffness with inertia (eq. 6) and without [Pa/m];
         - ``eta``: dynamic instability coefficient (eq. 7);
-        - ``V_c``: critical velocity (eq. 10) [m/s];
+        - ``V_c``: critical velocity (eq. 10) [m/s], and ``V_c_upper``: speed above which sliding is
+          stable again under some laws, else inf;
         - ``f_n``: natural frequency [Hz];
-        - ``eigenvalues`` [1/s], in the dimension ``mode``, least stable first;
+        - ``eigenvalues`` [1/s], in the dimension ``mode``, least stable first: two more than the
+          law has states;
         - ``growth_rate`` [1/s] and ``omega`` [rad/s]: real and imaginary part of the first
           eigenvalue; omega is 0 if this mode does not oscillate;
-        - ``omega_c``: angular frequency at the Hopf bifurcation [rad/s];
-        - ``stable``: whether K > K_c.
+        - ``omega_c``: angular frequency at the Hopf bifurcation [rad/s], NaN if b < a;
+        - ``stable``: whether all modes decay.  For most laws this means K > K_c, and K_c < 0 if
+          b < a.
 
     Raises
     ------

@@ -91,13 +91,16 @@ def sweep(
         - numbers are NaN, flags and counts are 0, and ``outside_domain`` is -1;
         - ``steps`` is the number of steps until the failure.
 
+        Failed cases that are stored are not repeated.
+
     Raises
     ------
     ParameterError
         If an argument cannot be used in some case, or if there is nothing to sweep over.
     StoreError
-        If the store belongs to another sweep, is in use, or cannot be read or written.  Also if it
-        was begun by other programs or on another kind of processor.
+        If the store belongs to another sweep, has other chunks or another device, is in use, is not
+        a store, or cannot be read or written.  Also if it is unfinished or damaged, and was begun
+        by other programs or on another kind of processor.
     SolverError
         If the cluster is lost, no SLURM job is left, or none starts.
     KeyboardInterrupt

@@ -91,8 +91,9 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
         - ``returns``: number of stress maxima in the period: 1, 2, 4, ... 32, or 0 if there is no
           cycle;
         - ``status`` (int8 with CF flags): 0 is a cycle, 1 is steady sliding.  In steady sliding
-          amplitude, stress_drop, inertia and error are 0, V_max = V_min = V_lp, and variables of
-          cycles are NaN.
+          amplitude, stress_drop, inertia, slow_fraction, residual and their errors are 0,
+          V_max = V_min = V_lp, and stable is True.  Period, frequency, fundamental and multipliers
+          are NaN.
 
     Raises
     ------

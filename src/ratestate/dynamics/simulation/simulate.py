@@ -80,7 +80,8 @@ def simulate(
     Returns
     -------
     xarray.Dataset
-        In the sweep's dimensions, then ``time``:
+        In the sweep's dimensions, then ``time``.  If each case has its own times, the coordinate
+        is ``t``, in these dimensions:
 
         - ``V`` and ``V_load``: speeds of slider and load point [m/s];
         - ``theta``: state [s];
