@@ -157,38 +157,48 @@ def test_extreme_forces_agree_with_a_dense_grid(law, damped, parts):
     assert counts.count(1) > 15
 
 
+#: x of a step, known values, and the value that is found; the step begins at 0
+PARABOLA, TROUGH = (0.0, 1.0, -1.0), (0.0, -1.0, 1.0)
+#: the slope -(0.1 + 10 s (0.95 - s)) falls before it rises: no bound follows from the ends
+UNEVEN = (0.0, -0.1, -4.75, 10.0 / 3.0)
+
+
 @pytest.mark.parametrize(
-    ("of_x", "known", "found"),
+    ("of_x", "terms", "known", "found"),
     [
-        ((0.0, 1.0, -1.0, 0.0, 0.0), (-1.0, 0.99), 0.25),  # tangents meet at 0.5: at most 1.0
-        ((0.0, 1.0, -1.0, 0.0, 0.0), (-1.0, 1.01), 0.0),
-        ((0.0, -1.0, 1.0, 0.0, 0.0), (-0.99, np.inf), -0.25),
-        ((0.0, -1.0, 1.0, 0.0, 0.0), (-1.01, np.inf), 0.0),
-        # the slope 0.1 + 10 s (0.95 - s) rises before it falls: no bound follows from the ends
-        ((0.0, 0.1, 4.75, -10.0 / 3.0, 0.0), (-9.0, 9.0), 1.52448),
+        (PARABOLA, 13, (-1.0, 1.99), 0.25),  # tangents meet at 0.5: at most 2.0
+        (PARABOLA, 13, (-1.0, 2.01), 0.0),
+        (PARABOLA, 5, (-1.0, 2.01), 0.25),  # every extreme is needed after a step of Rodas5P
+        (TROUGH, 13, (-1.99, np.inf), -0.25),
+        (TROUGH, 13, (-2.01, np.inf), 0.0),
+        (UNEVEN, 13, (-9.0, 9.0), -1.52448),
+        (UNEVEN, 13, (-9.0, np.inf), -1.52448),
     ],
 )
-def test_an_extreme_that_cannot_leave_the_known_values_is_not_searched_for(of_x, known, found):
-    run = lane(SlipLaw(), [np.array(of_x), np.zeros(5), np.zeros(5)], (1.5,))
+def test_an_extreme_that_cannot_leave_the_known_values_is_not_searched_for(
+    of_x, terms, known, found
+):
+    of_x = np.append(of_x, np.zeros(terms - len(of_x)))
+    run = lane(SlipLaw(), [of_x, np.zeros(terms), np.zeros(terms)], (1.5,))
     value = events.extreme_value(run, LANE, (1.0, 0.0, 0.0, 0.0), 0.0, known)
     assert value == pytest.approx(found, abs=1e-4)
 
 
 @pytest.mark.parametrize(
-    ("w", "w_end", "terms", "known"),
+    ("w", "w_end", "known"),
     [
-        (2.0, 3.0, 13, (np.log(1.5), 7.0)),  # the load point's speed rises from 1 to 1.5
-        (0.5, 0.9, 13, (-5.0, 0.0)),
-        (2.0, 1.4, 13, (-5.0, 7.0)),  # V crosses V_lp once anyway
-        (0.5, 1.6, 13, (-5.0, 7.0)),
-        (2.0, 3.0, 5, (np.inf, -np.inf)),  # a step of Rodas5P: every extreme is needed
+        (2.0, 3.0, (np.log(3.0), 7.0)),  # a minimum above V_lp is searched for
+        (0.5, 0.9, (-5.0, np.log(0.5))),  # a maximum below
+        (2.0, 1.4, (-5.0, 7.0)),  # the load point's speed rises from 1 to 1.5: V crosses it
+        (0.5, 1.6, (-5.0, 7.0)),
     ],
 )
-def test_speeds_that_are_known_are_on_the_steps_side_of_the_load_points_speed(
-    w, w_end, terms, known
+def test_extremes_of_speed_that_turn_to_the_load_points_speed_are_always_searched_for(
+    w, w_end, known
 ):
-    run = of_v(np.zeros(terms))
-    given = {R.W: w, R.W_NEW: w_end, R.W_LP: 1.0, R.RAMP: 0.5, R.V_LOW: -5.0, R.V_HIGH: 7.0}
+    run = of_v(np.zeros(5))
+    given = {R.W: w, R.W_NEW: w_end, R.V: np.log(w), R.V_NEW: np.log(w_end)}
+    given |= {R.W_LP: 1.0, R.RAMP: 0.5, R.V_LOW: -5.0, R.V_HIGH: 7.0}
     for row, value in given.items():
         run.s[row + LANE] = value
     assert events.known_speeds(run, LANE) == known

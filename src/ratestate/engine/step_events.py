@@ -8,10 +8,8 @@ The period of a run follows from the stress maxima and minima of its last cycles
 
 import math
 
-from ..friction.functions import log
 from . import rows as R
 from .rows import OUTPUT, call_point
-from .units import REST_SPEED
 
 #: allowed error of extreme forces, as a multiple of the tolerance of a step
 FORCE_TOLERANCE = 0.01
@@ -21,9 +19,9 @@ FRICTION, X_PLUS_N = (0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 1.0, 0.0)
 NOTHING = (0.0, 0.0, 0.0, 0.0)  # inputs of `units.speed`
 #: `root` looks for the zero, whatever the value there
 ANY_VALUE = (math.inf, -math.inf)
-#: largest height of an extreme above the ends of a step, as a multiple of the height at which the
-#: tangents of both ends meet; it is 1/2 for a parabola
-HIGHEST = 2.0
+#: height of an extreme above the ends of a Taylor step that is assumed not to be exceeded, as a
+#: multiple of the height at which the tangents of both ends meet; it is 1/2 for a parabola
+HIGHEST = 4.0
 
 # Smallest visible change of stress maxima or minima from one return to the next, divided by the
 # amplitude; fraction of that change that may remain after a whole period.
@@ -50,14 +48,17 @@ def evaluate(run, l, unit, inputs, fraction):
 
 
 def farthest_value(value_at_low, slope_at_low, value, slope):
-    """Return a bound of the extreme of a step from values and slopes at its ends."""
+    """Return a bound of the extreme of a smooth step from values and slopes at its ends.
+
+    NaN, which lies between no values, if the slope is not monotonic.
+    """
     meeting = slope_at_low * (value - value_at_low - slope) / (slope_at_low - slope)
     is_maximum = slope_at_low > 0.0
     end = max(value_at_low, value) if is_maximum else min(value_at_low, value)
     height = value_at_low + meeting - end
     if (height > 0.0) == is_maximum:
         return end + HIGHEST * height
-    return math.inf  # the slope is not monotonic
+    return math.nan
 
 
 def smaller_weight(residual, previous):
@@ -73,13 +74,14 @@ def root(run, l, unit, inputs, low, high, tolerance, known):
     same at both ends, the result is the end at which the second number is smaller in size.
 
     tolerance : error that the first number may have if the second is its slope; else 0
-    known : least and greatest value so far, if an extreme between them is not needed
+    known : least and greatest value so far, if an extreme between them is not needed.  It is
+        searched for after a step of Rodas5P, which may be longer than an oscillation of the forces.
     """
     value_at_low, at_low = evaluate(run, l, unit, inputs, low)
     value, at_high = evaluate(run, l, unit, inputs, high)
     if (at_low < 0.0) == (at_high < 0.0):
         return (low, value_at_low) if abs(at_low) < abs(at_high) else (high, value)
-    if known[0] < known[1]:
+    if known[0] < known[1] and run.s[R.TAYLOR + l] > 0.0:
         farthest = farthest_value(value_at_low, at_low, value, at_high)
         if known[0] <= farthest and farthest <= known[1]:
             return low, value_at_low
@@ -127,26 +129,23 @@ def crossing(run, l, speeds, low, high):
 
 
 def known_speeds(run, l):
-    """Return the least and greatest speed so far, but only on the step's side of V_lp.
+    """Return least and greatest speed between which an extreme in the step is not needed.
 
-    An extreme between these two is not needed: V does not cross V_lp twice in the step.  After a
-    step of Rodas5P, which may be longer than a decaying oscillation, every extreme is needed.
+    Extremes so far are not exceeded.  A minimum above V_lp, or a maximum below, is always needed,
+    because there V may cross V_lp twice.
     """
     s = run.s
-    if s[R.TAYLOR + l] == 0.0:
-        return math.inf, -math.inf
     low, high = s[R.V_LOW + l], s[R.V_HIGH + l]
+    start, end = s[R.V + l], s[R.V_NEW + l]
+    if run.shape.reverses > 0:
+        start, end = s[R.W + l], s[R.W_NEW + l]
     w_lp = s[R.W_LP + l]
-    w_lp_end = w_lp + s[R.H_USED + l] * s[R.RAMP + l]
     is_above = s[R.W + l] >= w_lp
-    if is_above == (s[R.W_NEW + l] >= w_lp_end):
-        limit = max(w_lp, w_lp_end) if is_above else min(w_lp, w_lp_end)
-        if run.shape.reverses == 0:
-            limit = log(max(limit, REST_SPEED))
+    if is_above == (s[R.W_NEW + l] >= w_lp + s[R.H_USED + l] * s[R.RAMP + l]):
         if is_above:
-            low = max(low, limit)
+            low = max(start, end)
         else:
-            high = min(high, limit)
+            high = min(start, end)
     return low, high
 
 
