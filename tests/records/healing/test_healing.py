@@ -74,7 +74,7 @@ def test_errors_grow_with_correlated_noise():
         # when the last hold that is evaluated begins, friction is so far from steady:
         ("slip", 25.0, 2e-3, 2e-2),  # 5e-3
         ("slip", 40.0, 1e-3, 3e-3),  # 2e-3
-        ("slip", 60.0, 2e-5, 2e-4),  # 5e-5
+        ("slip", 60.0, 2e-5, 5e-4),  # 5e-5
         ("aging", 20.0, 5e-4, 5e-3),  # 1e-3
     ],
 )
@@ -90,6 +90,31 @@ def test_a_hold_that_begins_before_friction_is_steady_has_a_larger_error(law, sl
         assert least < error < most
 
 
+def test_a_hold_that_begins_as_friction_crosses_its_level_has_a_larger_error():
+    """The state is then far from steady; 5 s before, friction was 4.5e-3 from steady."""
+    slider = rs.SpringSlider(a=0.007, b=0.008, Dc="17 um", sigma="10 MPa", K="2 GPa/m", law="aging")
+    loading = rs.Loading.steps(1e-5, (8.0, 0.0), (38.0, 1e-5), (158.0, 0.0), (258.0, 1e-5))
+    t = np.arange(0.0, 378.0, 0.05)
+    run = rs.simulate(slider, loading, t[-1], times=t, V_start=5e-5)
+    noise = 1e-4 * np.random.default_rng(0).normal(size=t.size)
+    record = run[["delta_lp"]].assign(friction=run.tau / slider.sigma + noise)
+    result = rs.healing(record, loading=loading)
+    off = np.stack([result.delta_mu, result.delta_mu_c]).T - truth(slider, (30.0, 100.0), last=60.0)
+    errors = np.stack([result.delta_mu_error, result.delta_mu_c_error]).T
+    assert (abs(off[0]) > 3e-4).all()
+    assert (errors[0] > 2e-4).all()
+    assert (abs(off[0]) < 6.0 * errors[0]).all()
+    assert (abs(off[1]) < 4.0 * errors[1]).all()
+    assert (errors[1] < 1e-4).all()
+
+
+def test_noise_of_slip_may_exceed_the_shortest_decay_length():
+    slider = rs.SpringSlider(a=0.007, b=0.008, Dc="17 um", sigma="10 MPa", K="2 GPa/m", law="aging")
+    holds = (100.0, 100.0, 100.0)
+    result = rs.healing(noisy(0, slider=slider, holds=holds, slide=25.0, dt=0.002, white=1e-3))
+    assert statuses(result) == ["not_steady_before"] * 3
+
+
 def test_a_drift_is_extrapolated():
     level = rs.healing(noisy(7))
     for trend in (5.0, -5.0):
@@ -97,7 +122,7 @@ def test_a_drift_is_extrapolated():
         np.testing.assert_allclose(drifting.delta_mu, level.delta_mu, rtol=0, atol=2e-5)
     flat = rs.healing(noisy(7, trend=5.0), trend=None)
     # holds then seem to begin before friction is steady: larger errors, or none
-    assert not (flat.delta_mu_error < 3.0 * level.delta_mu_error).any()
+    assert not (flat.delta_mu_error < 2.0 * level.delta_mu_error).any()
     assert "not_steady_before" in statuses(flat)
 
 

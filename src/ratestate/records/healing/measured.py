@@ -37,6 +37,10 @@ RESOLVED = 3.0
 #: samples, as a fraction of its rise from the end of the hold
 UNKNOWN, COARSE = 0.5, 0.02
 
+#: last part of a slide, in which friction must be steady before a hold; number of means there;
+#: largest deviation of one of them by noise, in standard deviations; fewest samples of a mean
+ENDING, PARTS, LIKELY, SMALLEST = 0.125, 8, 3.0, 4
+
 #: statuses of holds; the number of each is its index, and its message is in messages.toml
 STATUSES = (
     "evaluated",
@@ -90,10 +94,8 @@ def _measured_with_noise(record, hold, noise, levels):
     before, after = levels.get(hold.number - 1), levels.get(hold.number + 1)
     if before is None:
         return MeasuredHold(UNSTEADY, {})
-    end, unsteady = (
-        _end_of_hold(record, hold, noise),
-        _distance_from_steady(record, hold, before, noise),
-    )
+    end = _end_of_hold(record, hold, noise)
+    unsteady = _distance_from_steady(record, hold.before.rows, before, noise)
     level = before.at(record.drift_coordinate_at(hold.during.end, end[0]))
     values = {"friction_before": before.at(before.end), "friction_min": end}
     values["delta_mu_c"] = _difference(level, end, unsteady)
@@ -116,15 +118,23 @@ def _difference(one, other, unsteady):
     return one[0] - other[0], math.hypot(one[1], other[1], unsteady)
 
 
-def _distance_from_steady(record, hold, before, noise):
-    """Return how far friction is from its level when a hold begins; 0 if noise hides it.
+def _distance_from_steady(record, rows, level, noise):
+    """Return how far friction is from its level when a hold begins; 0 if noise explains it.
 
-    A hold that begins before the slide is steady heals differently, by up to about this much.
+    A hold that begins before the slide is steady heals differently, by up to about this much.  It
+    is the largest distance in the last part of the slide, because friction may cross its level
+    while the state is far from steady.
+
+    rows : samples of the slide before the hold
     """
-    rows = hold.before.rows[-LAST:]
-    distance = float(np.mean(record.friction[rows] - before.at(record.drift_coordinate[rows])[0]))
-    least = RESOLVED * np.hypot(noise.white * rows.size**-0.5, noise.red)
-    return distance if abs(distance) > least else 0.0
+    last = rows[-max(int(ENDING * rows.size), LAST) :]
+    parts = np.array_split(last, min(PARTS, last.size // SMALLEST))
+    distances = record.friction - level.at(record.drift_coordinate)[0]
+    largest = max(abs(float(distances[part].mean())) for part in parts)
+    size, duration = parts[0].size, record.t[parts[0][-1]] - record.t[parts[0][0]]
+    red = noise.red * min(1.0, math.sqrt(2.0 * noise.time / duration)) if noise.red else 0.0
+    by_noise = LIKELY * math.hypot(noise.white * size**-0.5, red)
+    return math.sqrt(max(largest**2 - by_noise**2, 0.0))
 
 
 def _end_of_hold(record, hold, noise):

@@ -54,7 +54,8 @@ class Shape(NamedTuple):
 
     def columns(self, slip):
         """Return a basis of transients (n, QUADRATIC) at slip (n,) [m], about 1 at the start."""
-        u = (slip - slip[0]) / self.length
+        # (noise of slip may be many times the length, and exp(-u) would overflow)
+        u = np.maximum((slip - slip[0]) / self.length, -1.0)
         fade = np.exp(-u)
         if self.wave:
             one, two = fade * np.cos(self.wave * u), fade * np.sin(self.wave * u)
