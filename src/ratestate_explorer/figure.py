@@ -1,5 +1,6 @@
 """A figure of what the page shows, for a paper, as a file."""
 
+import contextlib
 import io
 import threading
 from importlib.metadata import version
@@ -27,7 +28,7 @@ def figure_file(form, state, pinned, deadline):
     """Return a figure as bytes; form: "svg", "pdf" or "png"; it raises as `figure_of` does."""
     with _DRAWING:
         fig = figure_of(state, pinned, deadline)
-        with mpl.rc_context(WRITING):
+        with _writing():
             return _written(fig, form, state)
 
 
@@ -81,6 +82,17 @@ def _caption(study, state, notes):
     parts[-1] = parts[-1].removesuffix(",")
     headline, *_ = study.verdict.sentences
     return [headline.split(" "), parts, *(note.split(" ") for note in notes)]
+
+
+@contextlib.contextmanager
+def _writing():
+    """Set `WRITING` for a while, and no other settings, which a user may change meanwhile."""
+    before: Any = {name: mpl.rcParams[name] for name in WRITING}
+    mpl.rcParams.update(WRITING)
+    try:
+        yield
+    finally:
+        mpl.rcParams.update(before)
 
 
 def _written(fig, form, state):

@@ -1,6 +1,7 @@
 """Reports on evaluations of records: events, healing, and the stiffness of a machine."""
 
 import json
+import math
 from typing import Any
 
 import numpy as np
@@ -158,10 +159,12 @@ def _numbered(columns: dict[str, list[str]]) -> TextTable:
 
 
 def _pairs(result: xarray.Dataset, name: str, factor: float = 1.0) -> list[str]:
-    """Values with errors, if these are not `EXACT`, times a factor; "-" for NaN."""
+    """Values with errors, times a factor.  An error below `EXACT` times the value is not shown."""
     pairs = factor * np.column_stack([result[name], result[f"{name}_error"]])
     return [
-        "-" if value != value else with_error(value, error if error > EXACT * abs(value) else 0.0)
+        "-"
+        if not math.isfinite(value)
+        else with_error(value, error if error > EXACT * abs(value) else 0.0)
         for value, error in pairs
     ]
 

@@ -150,7 +150,7 @@ def sweep(
         try:
             return _in_memory(request) if path is None else _in_store(request, path)
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(_interrupted(path)) from None
+            raise KeyboardInterrupt(message_of_interrupt(path)) from None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -275,7 +275,7 @@ def _prepare(store, request):
     return done, sum(n for code, n in counts.items() if code not in ANSWERED)
 
 
-def _interrupted(path):
+def message_of_interrupt(path):
     """Return what an interrupted sweep has stored, and how to go on, as text."""
     if path is None:
         return sentence("interrupted.memory")
@@ -283,8 +283,8 @@ def _interrupted(path):
         return sentence("interrupted.nothing", path=path)
     try:
         status = store_status(path)
-    except StoreError as error:
-        return str(error)
+    except Exception as error:  # any: the interrupt may have hit the import of a module
+        return f"interrupted. {error}"
     return sentence("interrupted.some", path=path, done=status.done, cases=status.cases)
 
 

@@ -65,7 +65,10 @@ def requests(monkeypatch):
 def test_file_and_options_reach_the_sweep(options, given, requests, file, store):
     result = call("sweep", file, "--store", store, *options)
     assert (result.exit_code, result.stdout) == (130, "")
-    assert result.stderr == "interrupted: no file is half written\n"
+    assert result.stderr == (
+        f"interrupted before the sweep began to compute. Nothing is stored in {store}. Run the "
+        f"same sweep again, which starts from the beginning.\n"
+    )
     ((function, slider, arguments),) = requests
     assert function == "limit_cycle"
     assert slider.M.values.tolist() == [100.0, 1000.0, 10000.0]
@@ -77,7 +80,7 @@ def test_file_and_options_reach_the_sweep(options, given, requests, file, store)
 def test_from_file_to_store_and_its_status(file, store):
     for _ in range(2):  # the second finds all done
         result = succeed("sweep", file, "--store", store, "--chunk", 2)
-        assert result.stdout == f"6 cases in {store}: 2 cycles, 4 steady sliding\n"
+        assert result.stdout == f"6 cases in {store}: 2 cycles, 4 steady sliding, 0 failed\n"
     found = xr.open_zarr(store, chunks=None)
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m")
     slider = slider.replace(M=rs.logspace("M", 100, 1e4, 3))
@@ -156,7 +159,7 @@ def test_ctrl_c_ends_a_real_sweep(file, store):
     done = store_status(store).done
     assert 0 < done < 60_000
     assert errors == (
-        f"interrupted. {done} of 60000 cases are stored in {store}. Run the same sweep again to "
+        f"interrupted. {done} of 60,000 cases are stored in {store}. Run the same sweep again to "
         "compute the others.\n"
     )
     lines = call("sweep", "--store", store, "--status").stdout.splitlines()

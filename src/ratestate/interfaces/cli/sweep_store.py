@@ -54,6 +54,7 @@ def sweep(
     elif file is None:
         raise typer.BadParameter("missing. Only --status works without it.", param_hint="FILE.toml")
     else:
+        from ...sweeps.sweep import message_of_interrupt
         from ...sweeps.sweep import sweep as run
         from .run_scenario import (
             draw_plot,
@@ -70,10 +71,13 @@ def sweep(
         with _client(scheduler) as client:
             how: dict[str, Any] = {"client": client, "slurm": slurm, "chunk": chunk}
             how |= {"device": device, **scenario.settings}
-            result = run(scenario.function, scenario.slider, store=store, progress=True, **how)
-            number = print_outcome(store, result, outputs.json)
-            write_numbers(in_numbers(result, own_units), output)
-            draw_plot(result, output)
+            try:
+                result = run(scenario.function, scenario.slider, store=store, progress=True, **how)
+                number = print_outcome(store, result, outputs.json)
+                write_numbers(in_numbers(result, own_units), output)
+                draw_plot(result, output)
+            except KeyboardInterrupt as interrupt:  # perhaps before or after `run` computes
+                raise KeyboardInterrupt(str(interrupt) or message_of_interrupt(store)) from None
         if number:
             raise typer.Exit(SOME_FAILED)
 
@@ -108,7 +112,8 @@ def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
         units = shown_units(result)
         outside = outside_lines(result, "cases", units)
         ends = outcomes(result["status"].values, status.function)
-        lines = [f"{status.cases:,} cases in {store}: {ends}", *outside]
+        none = "" if status.failed else ", 0 failed"
+        lines = [f"{status.cases:,} cases in {store}: {ends}{none}", *outside]
         print_line("\n".join([*lines, *(failed_lines(result, units) if status.failed else [])]))
     return status.failed
 
