@@ -13,7 +13,7 @@ import ratestate as rs
 from ratestate import ParameterError, plot
 from ratestate.dynamics.cycles.regimes import classify
 from ratestate.errors import RunWarning
-from ratestate.plot.layout import axis_of
+from ratestate.plot.axis import axis_of
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3e3, V0=1e-9)
 V_LP = rs.logspace("V_lp", 1e-3, 1e-1, 4)

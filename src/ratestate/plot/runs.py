@@ -12,8 +12,9 @@ from ..engine.model import FINISHED
 from ..errors import ParameterError
 from ..model.conversion import in_si
 from ..model.slider_parameters import OPTIONAL
+from .axis import axis_of
 from .labels import GRAY, LAWS, RED, STRESS, prefixed, value_text
-from .layout import ABOVE, axis_of, is_wide, shades, show_constant
+from .layout import ABOVE, is_wide, shades, show_constant
 
 THIN = {"lw": 0.8}
 NARROW = {"handlelength": 1.3, "handletextpad": 0.4}

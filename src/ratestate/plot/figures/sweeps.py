@@ -5,9 +5,9 @@ from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 
 from ...dynamics.results import contact_area, parameter
 from ...engine.model import FINISHED, STEADY_SLIDING
+from ..axis import axis_of
 from ..labels import AMPLITUDE, BLUE, GRAY, LAWS, RED, fitting_unit, in_unit, label, value_text
 from ..layout import (
-    axis_of,
     figure,
     is_wide,
     letters,
