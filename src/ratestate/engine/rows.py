@@ -99,9 +99,9 @@ class LawRows(NamedTuple):
     size: int  # of the buffer
 
 
-# Numbers of psi, of p, and of coefficients in each of c and c_z; 1 if slip may reverse, if normal
-# stress varies, if K = inf.
-COUNTS = ["states", "coefficients", "terms", "reverses", "varies", "rigid"]
+# Numbers of psi, of p, and of coefficients in each of c and c_z; 1 if normal stress varies, if
+# K = inf.
+COUNTS = ["states", "coefficients", "terms", "varies", "rigid"]
 #: numbers that the control needs of a law: `COUNTS`, and the first row of each kind (`LawRows`)
 # (mypy cannot read these names)
 Shape: Any = namedtuple("Shape", [*COUNTS, *LawRows._fields])  # type: ignore[misc]
@@ -112,8 +112,7 @@ def shape_of(law):
     """Return the `Shape` of a law for a slider on a spring."""
     rows = rows_of(law)
     counts = len(law.states), len(rows.p), len(rows.c[0])
-    kinds = int(law.reverses), int(len(rows.history) > 0), 0
-    return Shape._make((*counts, *kinds, *map(_first, rows)))
+    return Shape._make((*counts, int(len(rows.history) > 0), 0, *map(_first, rows)))
 
 
 def _first(rows):

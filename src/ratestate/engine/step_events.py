@@ -132,14 +132,12 @@ def known_speeds(run, l):
     """Return least and greatest speed between which an extreme in the step is not needed.
 
     Extremes so far are not exceeded.  A minimum above V_lp, or a maximum below, is always needed,
-    because there V may cross V_lp twice.
+    because there V may cross V_lp twice.  (The speed is ln w: Taylor steps need slip that does not
+    reverse.)
     """
     s = run.s
     low, high = s[R.V_LOW + l], s[R.V_HIGH + l]
-    start, end = s[R.V + l], s[R.V_NEW + l]
-    if run.shape.reverses > 0:
-        start, end = s[R.W + l], s[R.W_NEW + l]
-    w_lp = s[R.W_LP + l]
+    start, end, w_lp = s[R.V + l], s[R.V_NEW + l], s[R.W_LP + l]
     is_above = s[R.W + l] >= w_lp
     if is_above == (s[R.W_NEW + l] >= w_lp + s[R.H_USED + l] * s[R.RAMP + l]):
         if is_above:
