@@ -109,8 +109,12 @@ def _measured_with_noise(record, hold, noise, levels):
     values |= {"friction_peak": peak, "delta_mu": _difference(peak, level, unsteady)}
     if after is not None:
         values["friction_after"] = after.at(after.end)
-    if np.hypot(level[1], unsteady) > UNKNOWN * abs(values["delta_mu"][0]):
+    most = UNKNOWN * abs(values["delta_mu"][0])
+    if level[1] > most:
         return MeasuredHold(UNSTEADY, {})
+    if math.hypot(level[1], unsteady) > most:
+        del values["delta_mu"]
+        return MeasuredHold(UNSTEADY, values, at)
     return MeasuredHold(EVALUATED, values, at, before, drift_coordinate)
 
 
