@@ -575,3 +575,20 @@ def test_errors_beside_an_undetermined_combination():
         assert combination.standard_error(solution) == pytest.approx(error, rel=1e-5)
     undetermined = Combination("a_minus_b", None, right[:, 2])
     assert undetermined.standard_error(solution) > 1e8
+
+
+def test_a_profile_that_begins_beside_a_bound_is_open_there():
+    """The search for M ends beside its lower bound, closer than a step of the profile."""
+    slider = rs.SpringSlider(
+        a=0.01, b=0.012, Dc="10 um", sigma="5 MPa", K="5 GPa/m", V0="1 um/s", law="aging"
+    )
+    t = np.arange(0, 130, 0.05)
+    run = rs.simulate(slider, rs.Loading.steps("1 um/s", (100, "10 um/s")), t[-1], times=t)
+    noise = 2e-4 * np.random.default_rng(1).normal(size=t.size)
+    record = run[["delta_lp"]].assign(friction=run.tau / slider.sigma + noise)
+    free = ("a", "b", "Dc", "K", "M")
+    with pytest.warns(rs.FitWarning, match="only shows that M < .*: no inertia is seen"):
+        result = rs.fit(record, slider.replace(M=1000.0), free=free)
+    low, high = result.interval.sel(parameter="M", level=0.95).values
+    assert low == 0.0
+    assert 1e7 < high < 1e8

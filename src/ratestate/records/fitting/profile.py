@@ -140,7 +140,8 @@ class _Side:
             if is_leap or moved < LEAST * self.step:
                 self.step *= 0.5
                 if self.step < max(LEAST * abs(last - self.values[0]), self.shortest):
-                    return "open" if fit and self._others_at_bounds(fit[1]) else "edge"
+                    at_bound = fit and (self._is_open_at(fit[1]) or self._others_at_bounds(fit[1]))
+                    return "open" if at_bound else "edge"
                 continue
             self._add_point(*fit)
             if root > self.beyond and self.sign * fit[0] >= self.farthest_likely:
