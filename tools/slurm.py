@@ -107,7 +107,7 @@ def cancelled(folder, scenario, expected):
     CONSOLE.print(f"{sweep.done()} chunks are done: scancel {first}")
     subprocess.run(["scancel", first], check=True)
     text = sweep.end()
-    assert f"SLURM jobs lost: job {first} (CANCELLED). 1 submitted instead" in text
+    assert f"SLURM jobs lost: job {first} (CANCELLED). Replacements submitted: 1." in text
     assert contents(sweep.store) == expected
 
 
@@ -117,7 +117,8 @@ def out_of_time(folder, scenario, expected):
     slurm = "jobs=1,cores=1,memory=1GB,walltime=00:01:00,replacements=0"
     sweep = Sweep(folder, scenario, slurm, JOB_SCRIPT_PROLOGUE='["sleep 40"]')
     text = sweep.end(code=2)
-    assert re.search(r"SLURM jobs lost: job \d+ \(TIMEOUT, TimeLimit\)\. 0 submitted instead", text)
+    lost = r"SLURM jobs lost: job \d+ \(TIMEOUT, TimeLimit\)\. Replacements submitted: 0\."
+    assert re.search(lost, text)
     assert re.search(r"error: No SLURM job is left.* more replacements=N", text)
     done = sweep.done()
     chunks = sum(name.startswith("status/c/") for name in expected)
