@@ -48,8 +48,8 @@ def write_point(s, l, at, at_end=False):
     s[w + l] = at.w
 
 
-def dense_output(s, l, rows, fraction):
-    """Return polynomials of the dense output at a fraction of the step, and their derivatives.
+def evaluate_dense_output(s, l, rows, fraction):
+    """Return values and derivatives of the dense output at a fraction of the step.
 
     The degree is 4 after a step of Rodas5P, and `rows.ORDER` after a Taylor step.
 

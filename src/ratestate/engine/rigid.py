@@ -12,9 +12,15 @@ from ..friction.functions import larger, where
 from ..friction.point import point_at
 from ..friction.tuples import dot, largest, plus, plus_sum, product, sum_of, times, total
 from . import rows as R
-from .lanes import ROUNDING, dense_output, has_save_time, read_point, step_size, write_point
-from .rodas5p import GAMMA, NODES, A, D, H, psi_pivots, stage_start, with_drift
-from .rodas5p import dense_output as dense_coefficients
+from .lanes import (
+    ROUNDING,
+    evaluate_dense_output,
+    has_save_time,
+    read_point,
+    step_size,
+    write_point,
+)
+from .rodas5p import GAMMA, NODES, A, D, H, dense_output, psi_pivots, stage_start, with_drift
 from .rows import read_rows, rows_of, store_each
 
 
@@ -48,7 +54,7 @@ def try_step(s, l, law):
         k = *k, product(pivots, plus(right, times(h * d, drift)))
     end = point(s, l, law, h, plus_sum(start.psi, A[8], k))
     write_point(s, l, end, True)
-    dense = dense_coefficients(start.psi, end.psi, *(sum_of(row, k) for row in H))
+    dense = dense_output(start.psi, end.psi, *(sum_of(row, k) for row in H))
     store_each(s, rows_of(law).c[2:], l, dense)
     s[R.H_USED + l] = h
     allowed = larger(s[R.TOLERANCE + l], ROUNDING * largest(end.psi))
@@ -71,13 +77,13 @@ def flag_events(s, l, law):
 
 def state(s, l, law, fraction):
     """Return what `units.state` returns."""
-    psi, _ = dense_output(s, l, rows_of(law).c[2:], fraction)
+    psi, _ = evaluate_dense_output(s, l, rows_of(law).c[2:], fraction)
     return point(s, l, law, fraction * s[R.H_USED + l], psi).y
 
 
 def force(s, l, law, fraction, *weights):
     """Return what `units.force` returns."""
-    h, (psi, d_psi) = s[R.H_USED + l], dense_output(s, l, rows_of(law).c[2:], fraction)
+    h, (psi, d_psi) = s[R.H_USED + l], evaluate_dense_output(s, l, rows_of(law).c[2:], fraction)
     here = point(s, l, law, fraction * h, psi)
     changes = slopes(here, s[R.RAMP + l], times(1.0 / h, d_psi))
     return dot(weights, here.forces), h * dot(weights, changes)

@@ -72,13 +72,13 @@ def first_step(s, l, law):
 
 def state(s, l, law, fraction):
     """Return x, v and each psi at a fraction of the step."""
-    y, _ = lanes.dense_output(s, l, rows_of(law).c, fraction)
+    y, _ = lanes.evaluate_dense_output(s, l, rows_of(law).c, fraction)
     return y
 
 
 def force(s, l, law, fraction, *weights):
     """Return a weighted sum of x, S, N and R at a fraction of the step; its slope."""
-    h, (y, dy) = s[R.H_USED + l], lanes.dense_output(s, l, rows_of(law).c, fraction)
+    h, (y, dy) = s[R.H_USED + l], lanes.evaluate_dense_output(s, l, rows_of(law).c, fraction)
     here = lanes.read_point(s, l, law).at(y, fraction * h)
     return dot(weights, here.forces), dot(weights, here.changes_of_forces(here.in_omega(dy), h))
 
@@ -86,9 +86,9 @@ def force(s, l, law, fraction, *weights):
 def speed(s, l, law, fraction):
     """Return `Point.speed_measure` at a fraction of the step, and its slope."""
     if not law.reverses:
-        (v,), (slope,) = lanes.dense_output(s, l, rows_of(law).c[1:2], fraction)
+        (v,), (slope,) = lanes.evaluate_dense_output(s, l, rows_of(law).c[1:2], fraction)
         return v, slope
-    y, dy = lanes.dense_output(s, l, rows_of(law).c, fraction)
+    y, dy = lanes.evaluate_dense_output(s, l, rows_of(law).c, fraction)
     here = lanes.read_point(s, l, law).at(y)
     return here.w, here.c * here.in_omega(dy)[1]
 
@@ -98,7 +98,7 @@ def lead(s, l, law, fraction, w_lp, change):
 
     w_lp, change : the load point's speed at the start of the step, and its change in the step
     """
-    (_, v, *psi), _ = lanes.dense_output(s, l, rows_of(law).c, fraction)
+    (_, v, *psi), _ = lanes.evaluate_dense_output(s, l, rows_of(law).c, fraction)
     w_lp = w_lp + fraction * change
     if not law.reverses:
         w_lp = larger(w_lp, REST_SPEED)
@@ -197,8 +197,8 @@ def speed_derivatives(s, l, law, fraction):
 
 def speed_derivatives_taylor(s, l, law, fraction):
     """Return `v_changes` at a fraction of a Taylor step, by its dense output."""
-    y, _ = lanes.dense_output(s, l, rows_of(law).c, fraction)
-    z, _ = lanes.dense_output(s, l, rows_of(law).c_z, fraction)
+    y, _ = lanes.evaluate_dense_output(s, l, rows_of(law).c, fraction)
+    z, _ = lanes.evaluate_dense_output(s, l, rows_of(law).c_z, fraction)
     return v_changes(lanes.read_point(s, l, law).at(y), grouped(z, y))
 
 

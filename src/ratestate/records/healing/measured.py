@@ -132,10 +132,11 @@ def _distance_from_steady(record, rows, level, noise):
     rows : samples of the slide before the hold
     """
     last = rows[-max(int(ENDING * rows.size), LAST) :]
-    parts = np.array_split(last, min(PARTS, last.size // SMALLEST))
-    distances = record.friction - level.at(record.drift_coordinate)[0]
-    largest = max(abs(float(distances[part].mean())) for part in parts)
-    size, duration = parts[0].size, record.t[parts[0][-1]] - record.t[parts[0][0]]
+    distances = record.friction[last] - level.at(record.drift_coordinate[last])[0]
+    count = min(PARTS, last.size // SMALLEST)
+    largest = max(abs(float(part.mean())) for part in np.array_split(distances, count))
+    size = -(-last.size // count)  # of the first part
+    duration = record.t[last[size - 1]] - record.t[last[0]]
     red = noise.red * min(1.0, math.sqrt(2.0 * noise.time / duration)) if noise.red else 0.0
     by_noise = LIKELY * math.hypot(noise.white * size**-0.5, red)
     return math.sqrt(max(largest**2 - by_noise**2, 0.0))
