@@ -43,8 +43,9 @@ class SpringSlider(SliderParameters):
         quasi-dynamic limit if there is damping.
     mu0 : float or DataArray
         Friction coefficient in steady sliding at V0 [1], >= 0.  With cut-offs, it is the friction
-        coefficient at V >> V1 and theta << Dc/V2.  Steady friction at V0 is 0.567 b higher under
-        "kato-tullis" if V0 << V_cut, and lower under "flash-heating" unless V0 << V_w.
+        coefficient at V >> V1 and theta << Dc/V2.  Under "kato-tullis" with V0 << V_cut, steady
+        friction at V0 is mu0 + 0.567 b, because x = ln(V0 theta/Dc) then solves x exp(x) = 1.
+        Under "flash-heating" it is lower than mu0 unless V0 << V_w.
     V0 : float, str or DataArray
         Reference velocity [m/s], > 0.  With cut-offs, friction does not depend on it.
     law : str
