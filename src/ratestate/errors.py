@@ -83,7 +83,7 @@ class StoreError(RateStateError, OSError):
 
 
 class CompilationError(RateStateError, RuntimeError):
-    """The solver cannot be compiled on this machine, whatever the case."""
+    """The solver cannot be compiled on this machine."""
 
 
 class SolverError(RateStateError, RuntimeError):
@@ -111,7 +111,7 @@ class QuasiStaticInstability(SolverError):
 
 
 class NotConverged(SolverError):
-    """No answer good enough was found.
+    """No answer of the requested accuracy was found.
 
     Attributes
     ----------

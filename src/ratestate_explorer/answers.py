@@ -1,4 +1,4 @@
-"""The answers to questions about a slider: from a question and a deadline to bytes."""
+"""Answer a question about a slider, as bytes, within a time limit."""
 
 import logging
 

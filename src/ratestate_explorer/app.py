@@ -1,4 +1,4 @@
-"""The page and its WebSocket, for this machine's browser only, at the explorer's own address."""
+"""The page and its WebSocket, only for browsers on this machine, at the explorer's own address."""
 
 import asyncio
 import contextlib

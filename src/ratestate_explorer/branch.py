@@ -1,4 +1,4 @@
-"""The bifurcation diagram: steady sliding, and limit cycles beside it, along one parameter."""
+"""The bifurcation diagram: steady sliding and limit cycles along one parameter."""
 
 import functools
 from itertools import pairwise

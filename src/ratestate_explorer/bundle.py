@@ -1,4 +1,4 @@
-"""The page's files as a few, which are served, or as one HTML text, which is saved.
+"""Combine the page's files into a few, to serve, or into one HTML text, to save.
 
 A browser asks for modules one after another as it reads what they import, and loads none from files
 on the disk.  So each module becomes a function of one script, called once, after those that it

@@ -1,4 +1,4 @@
-"""The map of regimes: K_c, the atlas, first coarse, then finer; cached for each law and b/a."""
+"""The map of regimes, with K_c and the atlas, first coarse, then finer, cached by law and b/a."""
 
 import contextlib
 import functools

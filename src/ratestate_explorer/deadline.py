@@ -1,4 +1,4 @@
-"""The time limit of a question."""
+"""The time limit of an answer."""
 
 import contextlib
 import threading

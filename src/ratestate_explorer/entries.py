@@ -1,4 +1,4 @@
-"""The entries of the page as a `PageState`, and back."""
+"""Convert the entries of the page into a `PageState`, and back."""
 
 from typing import Any
 from urllib.parse import urlencode

@@ -1,4 +1,4 @@
-"""The run that shows an experiment: its changes from time 0 on, and how long its end is shown."""
+"""The run of an experiment on the page: its changes from time 0 on, and its duration."""
 
 import itertools
 from functools import partial

@@ -1,4 +1,4 @@
-"""Files to take along: scenario, Python lines, numbers, a figure; and the page itself."""
+"""Files for download: scenario, Python lines, numbers, a figure; and the page itself."""
 
 import base64
 import datetime

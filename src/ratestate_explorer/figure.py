@@ -1,4 +1,4 @@
-"""A figure of what the page shows, for a paper, as a file."""
+"""Write a figure of the run or map on the page to a file."""
 
 import contextlib
 import io

@@ -1,4 +1,4 @@
-"""A laboratory record dropped on the page: taken into memory, read, answered, forgotten."""
+"""Read a laboratory record that is dropped on the page, in memory only, and answer."""
 
 import asyncio
 import contextlib

@@ -1,4 +1,4 @@
-"""What the page offers: fields, laws with their forms of friction, the paper's sliders."""
+"""The choices on the page: fields, laws with their forms of friction, the paper's sliders."""
 
 import tomllib
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Queues of questions, answered one at a time in threads, and the kernels that answers need."""
+"""Queues of questions, answered one at a time in threads, and the kernels that they need."""
 
 import asyncio
 import contextlib

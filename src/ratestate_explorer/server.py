@@ -1,4 +1,4 @@
-"""Serving the page: port, address, browser, end."""
+"""Serve the page: port, address, browser, end."""
 
 import errno
 import socket

@@ -1,4 +1,4 @@
-"""One page's connection: its questions go into queues, the answers back."""
+"""The connection of one page: its questions go into queues, the answers go back."""
 
 import asyncio
 import secrets

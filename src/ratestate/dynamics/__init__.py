@@ -1,1 +1,1 @@
-"""What a slider does: motions, limit cycles, branches and basins, and how results record it."""
+"""Simulation, limit cycles, branches and basins of sliders, and how results record them."""

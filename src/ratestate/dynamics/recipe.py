@@ -1,4 +1,4 @@
-"""The scenario in a result: the call that made it, written into attributes and read again.
+"""Write the call that made a result into its attributes, as a scenario, and read it again.
 
 Anybody can lose or change attributes: functions that read them raise `ParameterError` then.
 """

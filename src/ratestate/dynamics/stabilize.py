@@ -28,7 +28,7 @@ BISECTIONS = 64
 
 @keywords_checked
 def stabilize(slider, V_lp, margin=1.1):
-    """Find what makes steady sliding stable: more stiffness, less mass, or more damping.
+    """Find the stiffness, mass or damping with which steady sliding is stable.
 
     Parameters
     ----------

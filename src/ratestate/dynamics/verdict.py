@@ -26,7 +26,7 @@ FOLDS_BELOW = 1.02
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """What a slider does when driven at V_lp, as `verdict` returns it.
+    """The regime, numbers and sentences for a slider driven at V_lp, from `verdict`.
 
     Attributes
     ----------

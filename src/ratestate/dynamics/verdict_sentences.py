@@ -1,4 +1,4 @@
-"""The sentences of a verdict: which of those in verdict_sentences.toml hold, and their numbers."""
+"""Choose the sentences of a verdict from verdict_sentences.toml, and fill in the numbers."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The waveform of a return: its slow fraction, and Fourier integrals of stress.
+"""The shape of one cycle: the fraction of slow sliding, and Fourier integrals of stress.
 
 Steps are summed in loops over lanes, by Gauss-Legendre quadrature of the dense output.
 """

@@ -1,1 +1,1 @@
-"""Ways in besides Python: the command line, and the function `explore`."""
+"""Interfaces besides Python: the command line, and the function that opens the explorer."""

@@ -1,4 +1,4 @@
-"""The way to the explorer, a package of its own that needs the extra `explorer`."""
+"""The function `explore`: open the explorer, a separate package that needs the extra `explorer`."""
 
 from importlib import import_module
 from importlib.util import find_spec

@@ -1,4 +1,4 @@
-"""A row of the claims table: what the paper says (claims.toml), and what is measured."""
+"""A row of the claims table: a claim of the paper (claims.toml) and the measured values."""
 
 import dataclasses
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The paper's claims about limit cycles (Figs 4, 5), inertia (Figs 4, 6), and in section 5."""
+"""Check the paper's claims about limit cycles (Figs 4, 5, section 5) and inertia (Figs 4, 6)."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Claims on steps in velocity: friction itself (Fig. 1), and across the critical one (2, 3)."""
+"""Check the paper's claims about velocity steps: friction (Fig. 1) and stability (Figs 2, 3)."""
 
 import functools
 import math

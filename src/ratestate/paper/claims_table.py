@@ -1,4 +1,4 @@
-"""The claims table: where each claim of the paper stands, in writing and as JSON."""
+"""The table of the paper's claims with verdicts, as Markdown and as JSON."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Fig. 1: friction after an e-fold velocity step of a rigidly driven slider, by both laws."""
+"""Fig. 1: friction after an e-fold velocity step of a rigidly driven slider, under both laws."""
 
 import numpy as np
 import xarray

@@ -1,4 +1,4 @@
-"""The figures of the paper and beyond, as figures.toml lists them, and how they become files.
+"""Make the figures of the paper and beyond, which figures.toml lists, and write them to files.
 
 The command line, its help and the tests read this list.  Nothing heavy is imported before a figure
 is made.

@@ -1,4 +1,4 @@
-"""What the paper's scheme (eqs 8, 9) does at a given time step: its V_c and limit cycles; a figure.
+"""Critical velocity and limit cycles of the paper's scheme (eqs 8, 9) at a given time step.
 
 Steps are given as omega dt, omega = sqrt(K/M): 0.1 is the largest that the script published by
 the scheme's author accepts without a warning.

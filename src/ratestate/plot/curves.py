@@ -1,4 +1,4 @@
-"""The panels of a fit: a record under its fitted curves, and what these leave of it."""
+"""The panels of a fit: a record with its fitted curves, and the residuals."""
 
 from itertools import pairwise
 from typing import NamedTuple

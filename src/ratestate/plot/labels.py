@@ -1,4 +1,4 @@
-"""How pictures write quantities and laws: symbols as mathematics, values with units that fit."""
+"""Labels of figures: symbols as mathematics, laws by name, values with suitable units."""
 
 import re
 from typing import Any, NamedTuple

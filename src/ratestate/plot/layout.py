@@ -1,4 +1,4 @@
-"""What all pictures have in common: type, captions, axes, panel letters, how they are saved."""
+"""The common style of all figures: type, captions, axes, panel letters, how they are saved."""
 
 from bisect import bisect_right
 from itertools import repeat

@@ -1,4 +1,4 @@
-"""Runs beside each other: their names, lines, speeds against time, and the phase plane."""
+"""Compare runs: their names, lines, speeds against time, and the phase plane."""
 
 from typing import Any, NamedTuple
 

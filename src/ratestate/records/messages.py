@@ -1,4 +1,4 @@
-"""The sentences of the packages of `records`, each in its messages.toml."""
+"""Load the messages.toml of each package of `records`."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Reports on results: tables and sentences that say what a person wants to know first."""
+"""Reports on results: tables and sentences with the most important answers."""
 
 from .report import Report
 from .summary import summary

@@ -1,4 +1,4 @@
-"""Reports on many cases: how they ended, ranges of their answers, and what failed."""
+"""Reports on many cases: how they ended, ranges of their results, and failures."""
 
 from collections.abc import Sequence
 from typing import Any

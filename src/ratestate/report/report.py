@@ -1,4 +1,4 @@
-"""What a report consists of, rows and sentences, and how it becomes text, HTML and Markdown."""
+"""The class `Report`: rows and sentences, and how it becomes text, HTML and Markdown."""
 
 import io
 import math

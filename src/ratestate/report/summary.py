@@ -1,4 +1,4 @@
-"""`summary`, which makes the `Report` of any result."""
+"""The function `summary`: the `Report` of any result."""
 
 from collections.abc import Mapping
 

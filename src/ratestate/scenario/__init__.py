@@ -1,4 +1,4 @@
-"""Scenario files: what to do, as TOML with units, checked as a whole before anything runs.
+"""Scenario files: a task as TOML with units, all of it checked before anything runs.
 
 ::
 

@@ -1,4 +1,4 @@
-"""The tables of a scenario file and their keys: what a value may be, and an example of it.
+"""The tables of a scenario file and their keys: permitted values, and an example of each.
 
 Whatever depends on the known friction laws is a function, because users add laws.
 """

@@ -1,4 +1,4 @@
-"""The table [loading], kept as calls of `Loading` until the sweep and the end of the run are known.
+"""The table [loading], of which a `Loading` is made when the sweep and t_end are known.
 
 Its speeds have steps or an oscillation, or are a record, in the file itself or in columns of
 another one, which the reader of laboratory records opens.

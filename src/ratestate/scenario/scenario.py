@@ -54,7 +54,7 @@ FUNCTIONS = {
 
 @dataclasses.dataclass(frozen=True)
 class Output:
-    """Where a result goes, relative to the current directory.
+    """Files into which a result is written, relative to the current directory.
 
     Attributes
     ----------

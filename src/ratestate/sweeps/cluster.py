@@ -1,4 +1,4 @@
-"""The workers of a Dask cluster, on which a sweep can run and of which any may die.
+"""Run a sweep on the workers of a Dask cluster, although any of them may die.
 
 Dask gives the tasks of a worker that died to others, unless several workers died with a task.
 """

@@ -1,4 +1,4 @@
-"""Progress of a sweep: a bar on a terminal, or a line now and then in a log."""
+"""Show progress of a sweep: a bar on a terminal, or a line every 30 s in a log."""
 
 import math
 import sys

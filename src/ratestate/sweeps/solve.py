@@ -1,4 +1,4 @@
-"""Solves all cases of a part of a sweep; a case that fails, in whatever way, spoils no other."""
+"""Solve all cases of a part of a sweep; a case that fails does not affect the others."""
 
 import math
 from typing import Any, NamedTuple

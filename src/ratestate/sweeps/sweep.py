@@ -1,4 +1,4 @@
-"""The function `sweep`: which chunks of cases are still to be done, and their computation."""
+"""The function `sweep`: find the chunks that are not computed yet, and compute them."""
 
 import contextlib
 import dataclasses

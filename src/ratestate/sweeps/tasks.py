@@ -1,4 +1,4 @@
-"""Chunks of a sweep solved and stored: on threads, or by a worker."""
+"""Solve and store chunks of a sweep, on threads or by a worker."""
 
 import itertools
 import threading

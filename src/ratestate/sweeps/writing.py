@@ -1,4 +1,4 @@
-"""Writing a store: it is made, its chunks are written, and a lock keeps other sweeps away.
+"""Create a store, write its chunks, and lock it against other sweeps.
 
 The module `store` says what is written in which order.
 """

@@ -1,4 +1,4 @@
-"""A family of sliders along one parameter: a map whose fixed points are limit cycles.
+"""A family of sliders along one parameter, and the map whose fixed points are its limit cycles.
 
 The parameter enters as p, its natural logarithm, so that its values stay positive and steps are
 relative.  The points of the section are taken as U = (psi, G eta/(1 + eta)), with a psi less its

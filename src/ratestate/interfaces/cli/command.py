@@ -1,4 +1,4 @@
-"""Makes commands of functions; commands.toml describes their arguments and options."""
+"""Make commands out of functions; commands.toml describes their arguments and options."""
 
 import dataclasses
 import functools

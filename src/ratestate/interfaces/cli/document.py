@@ -1,4 +1,4 @@
-"""A result as one JSON document, for machines."""
+"""Write a result as one JSON document, for other programs."""
 
 import json
 from importlib.metadata import version

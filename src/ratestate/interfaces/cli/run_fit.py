@@ -1,4 +1,4 @@
-"""Runs ``ratestate fit``: reads, fits, prints, and writes the report with its files."""
+"""Run ``ratestate fit``: read, fit, print, and write the report with its files."""
 
 import inspect
 import json

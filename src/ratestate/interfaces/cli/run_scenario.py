@@ -1,4 +1,4 @@
-"""Runs a scenario: checks outputs, computes, prints the result and writes the files."""
+"""Run a scenario: check outputs, compute, print the result and write the files."""
 
 import math
 from pathlib import Path

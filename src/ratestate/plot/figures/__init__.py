@@ -1,4 +1,4 @@
-"""A figure for each kind of result: what a person wants to see of it at once."""
+"""A figure for each kind of result, with the quantities that matter most."""
 
 import xarray
 

@@ -1,4 +1,4 @@
-"""The figure of a catalogue of stick-slip events, or of several: simulated beside measured."""
+"""The figure of one or several catalogues of stick-slip events, measured or simulated."""
 
 from typing import Any, NamedTuple
 

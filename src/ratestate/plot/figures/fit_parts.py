@@ -1,4 +1,4 @@
-"""What figures of fits have in common: frame, likelihoods, and the table of estimates."""
+"""Common parts of figures of fits: frame, likelihoods, and the table of estimates."""
 
 import numpy as np
 from matplotlib.patches import Patch

@@ -1,4 +1,4 @@
-"""What divides the maps of a sweep: V_c as a line, and regimes by their names."""
+"""Boundaries on the maps of a sweep: V_c as a line, and the names of regimes."""
 
 from typing import Any
 

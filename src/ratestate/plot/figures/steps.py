@@ -1,4 +1,4 @@
-"""Fits of all steps and holds: each with its curves, and the estimates along the experiment."""
+"""The figure of fits of all steps and holds: each with its curves, and all estimates in order."""
 
 import numpy as np
 from matplotlib.lines import Line2D

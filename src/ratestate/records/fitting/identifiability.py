@@ -1,4 +1,4 @@
-"""A note on which parameters a record determines, and warnings on the others.
+"""Notes on the parameters that a record determines, and warnings on the others.
 
 If parameters trade off, the note names the combination that the record determines.
 """

@@ -1,4 +1,4 @@
-"""Scenario files to start from, with the data that they need beside them.
+"""Scenario files to start from, with the data files that they use.
 
 `ratestate init` writes them.  A file begins with a comment: its first line says what the file is,
 and lines that begin with ``ratestate`` are commands to try, each with what it shows.  A file leaves

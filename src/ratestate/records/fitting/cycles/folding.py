@@ -1,4 +1,4 @@
-"""The segments of a record that oscillate, cut into cycles and averaged into one."""
+"""Find segments of a record that oscillate, cut them into cycles and average the cycles."""
 
 from itertools import pairwise
 from typing import NamedTuple

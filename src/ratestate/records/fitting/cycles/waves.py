@@ -1,4 +1,4 @@
-"""Limit cycles of many sliders at once, as waves, and the features of cycles.
+"""Compute limit cycles of many sliders at once, and the features of their waveforms.
 
 The phase holds no information on friction, and would give the likelihood many peaks.  So a
 record is cut into cycles, these are averaged into one profile, and six features of the profile
