@@ -1,4 +1,4 @@
-"""Places for files: checked before the work, and written as a whole."""
+"""Check that files can be written, before the work begins, and write each as a whole."""
 
 import contextlib
 import json
