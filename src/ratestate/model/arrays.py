@@ -175,6 +175,7 @@ class Batch:
         self.dims, self.shape = tuple(sizes), tuple(sizes.values())
         self.n = int(np.prod(self.shape, dtype=int))
         self.is_single = not self.dims
+        self._at_reference = {}
 
     def check_fits(self, numbers, remedy):
         """Raise ParameterError if this many numbers per case do not fit into memory."""
@@ -194,6 +195,14 @@ class Batch:
             return np.full(self.n, value)
         full = value.expand_dims({d: n for d, n in self.sizes.items() if d not in value.dims})
         return np.ascontiguousarray(full.transpose(*self.dims).values.ravel())
+
+    def at_reference(self, law):
+        """Return mu_ref (n,) and the law's coefficients, arrays (n,) too, at V_ref = V0."""
+        if law not in self._at_reference:
+            V0 = self.flat("V0")
+            mu_ref = law.reference_friction(V0, self.columns)
+            self._at_reference[law] = mu_ref, law.coefficient_arrays(V0, self.columns)
+        return self._at_reference[law]
 
     def rows(self, array):
         """Return a table (rows, m) of an array, and the row number of each case (n,).

@@ -51,10 +51,9 @@ def initial_state(law, batch, V_load):
     V_load : (n,) speed of the load point at t = 0 [m/s], the slider's speed if K = inf
     """
     a, _, _, sigma, K, M, _, V0 = map(batch.flat, PARAMETERS)
-    mu_ref = law.reference_friction(V0, batch.columns)
+    mu_ref, p = batch.at_reference(law)
     names = [s for s in ("V", *law.states, "tau") if f"{s}_initial" in batch.values]
     given = {s: batch.flat(f"{s}_initial") for s in names}
-    p = law.coefficient_arrays(V0, batch.columns)
     for label, V in ("V_start", batch.flat("V_start")), ("initial V", given.get("V", V0)):
         check_speed_ratio(law, label, V, "V0", V0)
     v, states = steady_state(law, batch, batch.flat("V_start"), p)
@@ -96,7 +95,7 @@ def initial_state(law, batch, V_load):
 
 def steady_sliding_state(law, batch, V):
     """Return x, v and the law's variables in steady sliding at V (n,): array (n, m)."""
-    p = law.coefficient_arrays(batch.flat("V0"), batch.columns)
+    _, p = batch.at_reference(law)
     v, states = steady_state(law, batch, V, p)
     return np.stack([stress(law, v, states, p), v, *law.variables(v, states, p)], axis=1)
 
@@ -157,8 +156,7 @@ def _check_start_speed(log_V, names):
 
 def _raise_disagreement(law, batch, i, v, states, p, given):
     a, sigma, K = (batch.flat(symbol)[i] for symbol in ("a", "sigma", "K"))
-    mu_ref = law.reference_friction(batch.flat("V0"), batch.columns)[i]
-    tau = sigma * (mu_ref + a * stress(law, v, states, p)[i])
+    tau = sigma * (batch.at_reference(law)[0][i] + a * stress(law, v, states, p)[i])
     names = " and ".join(law.states)
     balance = "sigma mu + damping V" if "damping" in law.parameters else "sigma mu"
     values = {"tau": tau, "balance": balance}

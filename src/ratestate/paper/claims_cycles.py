@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
+import scipy
 import xarray
-from scipy.interpolate import make_interp_spline
 
 from .. import Loading, limit_cycle, logspace, stability
 from ..dynamics.cycles.limit_cycle import orbit
@@ -157,7 +157,7 @@ def _minimum(sweep, every=1):
 def _above(sweep):
     """Return by how much the amplitude at 3 cm/s exceeds the smallest."""
     middle = sweep.amplitude.sel(V_lp=MIDDLE.values)
-    between = make_interp_spline(np.log(MIDDLE.values), middle)
+    between = scipy.interpolate.make_interp_spline(np.log(MIDDLE.values), middle)
     return float(between(math.log(0.03))) / _minimum(sweep)[1] - 1
 
 

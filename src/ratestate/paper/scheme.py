@@ -7,8 +7,8 @@ the scheme's author accepts without a warning.
 import math
 
 import numpy as np
+import scipy
 import xarray
-from scipy.interpolate import CubicHermiteSpline
 
 from .. import Loading, SolverError, limit_cycle, plot
 from ..dynamics.results import parameter
@@ -128,7 +128,7 @@ def last_cycle(run):
     def turn(i):
         """Return when tau turns between steps i and i + 1, and its value there."""
         two = slice(i, i + 2)
-        piece = CubicHermiteSpline(t[two], tau[two], slope[two])
+        piece = scipy.interpolate.CubicHermiteSpline(t[two], tau[two], slope[two])
         (at,) = piece.derivative().roots(extrapolate=False)
         return at, piece(at)
 

@@ -8,8 +8,8 @@ import dataclasses
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 import xarray
-from scipy.interpolate import make_lsq_spline
 
 from ..model.history import History
 from ..model.loading import Loading
@@ -252,7 +252,7 @@ def recorded_stress(data, t, sigma):
     if knots.size > MAX_LINES:
         raise sentences.refusal("record.stress_lines", lines=knots.size, most=MAX_LINES)
     at = t[knots]
-    values = make_lsq_spline(t, recorded, [at[0], *at, at[-1]], 1).c
+    values = scipy.interpolate.make_lsq_spline(t, recorded, [at[0], *at, at[-1]], 1).c
     values *= sigma / values[0]
     end = np.append(values[1:], values[-1])
     # a steep line from one sample to the next is a jump at the later sample

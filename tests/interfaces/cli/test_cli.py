@@ -275,6 +275,15 @@ print(*({heavy} & set(sys.modules)))
     assert done.stdout.split() == [ratestate.__version__]
 
 
+def test_pictures_and_scenarios_load_no_scipy_that_only_records_need():
+    code = """
+import sys, ratestate.plot, ratestate.interfaces.cli.run_scenario
+print(*(name for name in ("signal", "stats", "optimize") if f"scipy.{name}" in sys.modules))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not done.stdout.split()
+
+
 ALL = [*"123456", "scheme", "branches", "basins"]
 
 

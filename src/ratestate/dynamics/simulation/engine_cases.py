@@ -42,7 +42,7 @@ def engine_cases(law, batch, y0, *, t_end, loading, times, rtol, observe=1.0):
         v_limit = np.where(unlimited, np.inf, np.log(V_LIMIT / p.V0))
     return Cases(
         kappa=p.K * p.Dc / (p.a * p.sigma),
-        p=np.stack(law.coefficient_arrays(p.V0, batch.columns), axis=-1),
+        p=np.stack(batch.at_reference(law)[1], axis=-1),
         eta0=eta0,
         scale=p.V0 / p.Dc,
         V0=p.V0,

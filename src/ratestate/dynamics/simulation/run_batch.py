@@ -95,7 +95,7 @@ def _energy_residual(law, batch, loading, cases, y0, results):
         kinetic = 0.5 * cases.eta0 * (w1 * w1 - w0 * w0)
     kinetic = np.where(cases.eta0 > 0.0, kinetic, 0.0)
     spring = (x1 - x0) * (x1 + x0) / (2.0 * cases.kappa)
-    base = law.reference_friction(batch.flat("V0"), batch.columns) / batch.flat("a")
+    base = batch.at_reference(law)[0] / batch.flat("a")
     ends = np.where(results.status == RUNAWAY, number("t"), batch.flat("t_end"))
     advance = batch.evaluate(loading.delta_lp, ends[:, None])[:, 0] / batch.flat("Dc")
     slip = advance - (x1 - x0) / cases.kappa
@@ -132,9 +132,9 @@ def _series(slider, batch, loading, motion):
     p = SimpleNamespace(**{symbol: values[:, None] for symbol, values in batch.columns.items()})
     x, v, *states = np.moveaxis(motion.states, -1, 0)
     psi = tuple(states)
-    coefficients = law.coefficient_arrays(p.V0, vars(p))
+    mu_ref, coefficients = batch.at_reference(law)
+    mu_ref, coefficients = mu_ref[:, None], tuple(x[:, None] for x in coefficients)
     t = np.broadcast_to(motion.t, x.shape)
-    mu_ref = law.reference_friction(p.V0, vars(p))
     tau = p.sigma * (mu_ref + p.a * x)
     delta_lp = batch.evaluate(loading.delta_lp, t)
     V = p.V0 * law.speed(v, psi, coefficients)
@@ -170,8 +170,7 @@ def _series(slider, batch, loading, motion):
 def _observables(law, batch, motion, rtol):
     """Return the variables that have one value a case, name -> Variable."""
     p, numbers = columns(batch), motion.numbers
-    mu_ref = law.reference_friction(p.V0, batch.columns)
-    coefficients = law.coefficient_arrays(p.V0, batch.columns)
+    mu_ref, coefficients = batch.at_reference(law)
     # rtol bounds the error of a step in x = tau/(a sigma): a smaller oscillation is not a cycle.
     counts = (numbers["amplitude"] > 10.0 * rtol) & (numbers["cycles"] > 0)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -1,6 +1,7 @@
 """Common parts of figures of fits: frame, likelihoods, and the table of estimates."""
 
 import numpy as np
+import scipy
 from matplotlib.patches import Patch
 
 from ...dynamics.recipe import attribute_text
@@ -116,8 +117,6 @@ def likelihood(result, symbol, ax):
 
 def _profile(part, symbol):
     """Values and deviances of a profile, finely; None where there is none."""
-    from scipy.interpolate import PchipInterpolator
-
     if "profile_value" not in part:
         return None
     values, deviance = (
@@ -130,7 +129,7 @@ def _profile(part, symbol):
     fine = np.linspace(values[0], values[-1], 200)
     # between its points the root of the deviance is smooth, and nearly straight
     side = np.where(values < values[np.argmin(deviance)], -1.0, 1.0)
-    return fine, PchipInterpolator(values, side * np.sqrt(deviance))(fine) ** 2
+    return fine, scipy.interpolate.PchipInterpolator(values, side * np.sqrt(deviance))(fine) ** 2
 
 
 def _gaussian(part, symbol):

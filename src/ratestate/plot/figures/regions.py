@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import scipy
 import xarray
 from contourpy import contour_generator
 from matplotlib.collections import LineCollection
@@ -147,11 +148,11 @@ def _write_names(ax, along, across, names):
 
 def _most_room(inside, text):
     """How far from any edge a text can be, over its size; row and column of the case; the text."""
-    from scipy.ndimage import distance_transform_edt
-
     lines = text.split("\n")
     size = np.array([HEIGHT * len(lines), LETTER * max(map(len, lines))])
-    distances = distance_transform_edt(np.pad(inside, 1), sampling=1.0 / (inside.shape * size))
+    distances = scipy.ndimage.distance_transform_edt(
+        np.pad(inside, 1), sampling=1.0 / (inside.shape * size)
+    )
     room = distances[1:-1, 1:-1]
     row, column = np.unravel_index(room.argmax(), room.shape)
     return room[row, column], *((np.array([row, column]) + 0.5) / FINER - 0.5), text

@@ -13,7 +13,7 @@ axes of the likelihood, as in Rue, Martino & Chopin (2009) doi:10.1111/j.1467-98
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import ndtr
+import scipy
 
 from ..kit.noise import RestrictedLikelihood, families, modes
 from .quantities import GAUSSIAN, LEVELS
@@ -127,7 +127,7 @@ def _quantile(weight, means, spreads, part):
     high = (means + 10.0 * spreads).max(axis=0)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        below = weight @ ndtr((middle - means) / spreads) < part
+        below = weight @ scipy.special.ndtr((middle - means) / spreads) < part
         low, high = np.where(below, middle, low), np.where(below, high, middle)
     return 0.5 * (low + high)
 

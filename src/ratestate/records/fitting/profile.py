@@ -10,7 +10,7 @@ doi:10.2307/2347496.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+import scipy
 
 from ..kit.least_squares import minimum
 from .quantities import GAUSSIAN, ROOTS
@@ -71,7 +71,11 @@ class Profile(NamedTuple):
         An end is infinite if the root stays smaller, or the last value if no motion is beyond it.
         """
         interval = np.empty(roots.shape)
-        curve = PchipInterpolator(self.values, self.root) if self.values.size > 1 else None
+        curve = (
+            scipy.interpolate.PchipInterpolator(self.values, self.root)
+            if self.values.size > 1
+            else None
+        )
         for side, (sign, last) in enumerate(((-1, 0), (1, -1))):
             for level, target in enumerate(roots[:, side]):
                 if curve is not None and self.deviance[last] >= target**2:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import ndtri
+import scipy
 
 from ...friction.linear_stability import linearisation
 from .forward import ForwardModel
@@ -18,7 +18,7 @@ from .unknowns import parameter, to_coordinate, to_value
 LEVELS = (0.68, 0.95)
 SIDES = ("lower", "upper")
 #: distance of these intervals' ends from the estimate, in standard errors of a Gaussian
-ROOTS = ndtri(0.5 + 0.5 * np.array(LEVELS))
+ROOTS = scipy.special.ndtri(0.5 + 0.5 * np.array(LEVELS))
 #: `ROOTS` along (levels, sides)
 GAUSSIAN = np.repeat(ROOTS[:, None], 2, axis=1)
 #: half width beyond which a logarithm's interval counts as open

@@ -9,7 +9,7 @@ more parameters (`chi2_gain`) or with fewer (`response`).
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import chdtri
+import scipy
 
 from ..kit.noise import Noise, estimated_noise
 from ..messages import fitting as sentences
@@ -280,4 +280,4 @@ def project_out(solution, columns, count):
 def responds(solution):
     """Return whether friction responds to the steps by more than noise may by chance."""
     gain, free = response(solution)
-    return bool(gain > chdtri(free, CHANCE))
+    return bool(gain > scipy.special.chdtri(free, CHANCE))

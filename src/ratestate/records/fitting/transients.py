@@ -12,7 +12,7 @@ acts on the slider as a load point that moves by f sigma/K, so that one march gi
 import dataclasses
 
 import numpy as np
-from scipy.special import fdtrc
+import scipy
 
 from ..kit.noise import RestrictedLikelihood
 from .forward import Forward
@@ -55,7 +55,7 @@ def transients_p_value(solution, D):
     for one in shapes:
         # root @ root.T is the covariance of the transients, which may be singular
         scaled = np.linalg.lstsq(one.root[:count], one.shift[:count])[0]
-        chances.append(fdtrc(count, likelihood.degrees, scaled @ scaled / count))
+        chances.append(scipy.special.fdtrc(count, likelihood.degrees, scaled @ scaled / count))
     return float(weight @ np.array(chances))
 
 

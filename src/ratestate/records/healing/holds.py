@@ -4,8 +4,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 import xarray
-from scipy.linalg import block_diag
 
 from ..kit.noise import Noise, estimated_noise
 from ..kit.regression import basis
@@ -197,7 +197,7 @@ def _noise(t, friction, parts, least):
     """
     rows = np.concatenate(parts)
     blocks = [basis(t[part], t[part[0]], t[part[-1]], SMOOTH) for part in parts]
-    columns = block_diag(*blocks)
+    columns = scipy.linalg.block_diag(*blocks)
     residual = friction[rows] - columns @ np.linalg.lstsq(columns, friction[rows])[0]
     if np.std(residual) <= least:
         return Noise(least)

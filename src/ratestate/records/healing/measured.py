@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+import scipy
 
 from ..kit.regression import (
     CERTAIN,
@@ -197,6 +197,6 @@ def _peak(record, hold, noise, low):
 
 def _about_maximum(friction, slide, width):
     """Return rows of a window of this width around the largest moving average of a slide."""
-    smooth = uniform_filter1d(friction[slide], max(width // 3, 1), mode="nearest")
+    smooth = scipy.ndimage.uniform_filter1d(friction[slide], max(width // 3, 1), mode="nearest")
     first = min(max(int(np.argmax(smooth)) - width // 2, 0), slide.size - width)
     return slide[first : first + width]

@@ -14,8 +14,7 @@ of the two functions.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import chdtri, logsumexp
+import scipy
 
 from ..kit.regression import basis, windows_that_pass
 from .holds import FEWEST, is_same_speed
@@ -120,7 +119,7 @@ class _SlideFit(NamedTuple):
         """Return level (and slope) and covariance, averaged over shapes with these ln(weights)."""
         coefficients, covariance, _, likelihood = self.solved(QUADRATIC, prior)
         weights = weights + likelihood
-        weights = np.exp(weights - logsumexp(weights))
+        weights = np.exp(weights - scipy.special.logsumexp(weights))
         level = slice(self.size)
         mean = weights @ coefficients[:, level]
         away = coefficients[:, level] - mean
@@ -181,7 +180,7 @@ def _with_no_transient(weights, slide):
     """Append ln of the weight without a transient: half of the total, or 0 after a hold."""
     if slide.follows_hold:
         return np.append(weights, -np.inf)
-    return np.append(weights, logsumexp(weights) if weights.size else 0.0)
+    return np.append(weights, scipy.special.logsumexp(weights) if weights.size else 0.0)
 
 
 def shapes_of(friction, slip, tails, level):
@@ -327,8 +326,10 @@ def scatter_about_line(designs, values, covariances, rank):
         rest = values - designs @ line
         inverse = np.linalg.inv(covariances + scatter**2 * np.eye(size))
         chi2 = np.einsum("ai,aij,aj->a", rest, inverse, rest)
-        return float(np.median(chi2)) - freedom * chdtri(size, 0.5)
+        return float(np.median(chi2)) - freedom * scipy.special.chdtri(size, 0.5)
 
     if freedom <= 0.0 or excess(0.0) <= 0.0:
         return 0.0
-    return brentq(excess, 0.0, WIDEST * float(np.ptp(values[:, 0]) + np.abs(values[:, 1:]).sum()))
+    return scipy.optimize.brentq(
+        excess, 0.0, WIDEST * float(np.ptp(values[:, 0]) + np.abs(values[:, 1:]).sum())
+    )

@@ -15,7 +15,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize
+import scipy
 
 from ...engine.noise import whiten
 from ...model.units import one_in_si
@@ -230,7 +230,7 @@ def modes(family, near=None):
         # (SciPy's default simplex around a coordinate of 0 is so thin that it may never move)
         simplex = first + size * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
         options: Any = {"initial_simplex": simplex, "xatol": 0.05, "fatol": 0.02, "maxfev": 150}
-        result = minimize(
+        result = scipy.optimize.minimize(
             lambda point: -family.at(point).log_likelihood,
             first,
             method="Nelder-Mead",

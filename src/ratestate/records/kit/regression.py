@@ -13,9 +13,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.polynomial import Legendre
 from numpy.polynomial.legendre import legvander
-from scipy.special import chdtrc
 
 #: significance level of the test that scatter exceeds the errors
 CHANCE = 0.1
@@ -109,7 +109,7 @@ def _scatter(chi2, degrees):
 
 def _enlarged(error, scatter, degrees):
     """Return an error, enlarged if values scatter significantly more than their errors."""
-    if degrees < 1 or chdtrc(degrees, degrees * scatter**2) > CHANCE:
+    if degrees < 1 or scipy.special.chdtrc(degrees, degrees * scatter**2) > CHANCE:
         return error
     return error * scatter
 

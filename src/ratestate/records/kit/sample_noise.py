@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 #: ratio of the standard deviation of normal noise to its median size; of second differences to it
 OF_MEDIAN, OF_SECOND = 1.4826, 6**0.5
@@ -31,10 +32,8 @@ class SampleNoise(NamedTuple):
         white = rng.standard_normal(n) * self.sd
         if self.correlation == 0.0:
             return white
-        from scipy.signal import lfilter  # slow to import
-
         white[1:] *= np.sqrt(1.0 - self.correlation**2)
-        return lfilter([1.0], [1.0, -self.correlation], white)
+        return scipy.signal.lfilter([1.0], [1.0, -self.correlation], white)
 
 
 def noise_of_residuals(residuals, parameters):

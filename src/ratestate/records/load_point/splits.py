@@ -12,7 +12,7 @@ over its sampling interval leaves less noise at a lower rate.
 import functools
 
 import numpy as np
-import scipy  # importing `scipy.ndimage` is slow; this defers it until first use
+import scipy
 
 from ...model.arrays import running_sum
 from ..messages import load_point as sentences

@@ -18,7 +18,7 @@ approximation.  Without a slider G is 0: then M = K/|lambda|^2, and the damping 
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
+import scipy
 
 from ..kit.noise import Noise, estimated_noise
 from ..kit.regression import central_differences, fall_of_chi2, generalized_least_squares
@@ -133,7 +133,7 @@ def _fit(t, friction, whole, begin, omega, decay):
         return white[:, 0] - white[:, 1:] @ np.linalg.lstsq(white[:, 1:], white[:, 0])[0]
 
     for _ in range(2):
-        point = least_squares(residual, point, x_scale=[0.1, 0.5]).x
+        point = scipy.optimize.least_squares(residual, point, x_scale=[0.1, 0.5]).x
         p = point * scale
         columns = _basis(at, *p)
         linear, _ = generalized_least_squares(at, y, columns, noise)

@@ -28,8 +28,7 @@ slope and the curvature of the relaxation.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
-from scipy.optimize import least_squares
+import scipy
 
 from ..kit.noise import Noise, estimated_noise
 from ..kit.regression import central_differences, fall_of_chi2
@@ -143,7 +142,9 @@ def fitted_slope(t, x, friction, r, *, rested=0.0, x_error=0.0, state_error=0.0)
     weights = np.array([0.0, 0.0, 1.0 / LOG_ERROR, 1.0, 1.0 / LOG_ERROR, free, free])
     bounds, point = (first - REACH, first + REACH), first
     for _ in range(ROUNDS):
-        fit = least_squares(residuals, point, bounds=bounds, x_scale="jac", max_nfev=EVALUATIONS)
+        fit = scipy.optimize.least_squares(
+            residuals, point, bounds=bounds, x_scale="jac", max_nfev=EVALUATIONS
+        )
         if not fit.success:
             return None
         point = fit.x
@@ -197,7 +198,7 @@ def _slope_after_change(t, friction, rows, segments, i):
         rested = V * (start - float(segments.t[i - 1]))
         level = np.polyfit(np.log1p(V * (t[before] - start) / rested), friction[before], 2)[-1]
     rise = (friction[rows] - level) * (-1.0 if kind == "step_down" else 1.0)
-    smooth = uniform_filter1d(rise, 3)
+    smooth = scipy.ndimage.uniform_filter1d(rise, 3)
     extreme = int(np.argmax(smooth))
     last = _index_at_level(t[rows] - start, rise, smooth[: extreme + 1], UNTIL * smooth[extreme])
     if last < FEWEST or smooth[extreme] < LEAST * sample_noise(friction[rows]):

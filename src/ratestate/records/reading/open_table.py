@@ -9,6 +9,7 @@ from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from ...errors import MissingFileError
 from ..kit.processes import read_isolated
@@ -166,10 +167,10 @@ def read_mat(path):
 
     ParameterError if there are none; SciPy's errors if it cannot read the file.
     """
-    from scipy.io import loadmat
-
     with path.open("rb") as stored:
-        return _make_table(path, list(_struct_columns("", loadmat(stored, simplify_cells=True))))
+        return _make_table(
+            path, list(_struct_columns("", scipy.io.loadmat(stored, simplify_cells=True)))
+        )
 
 
 def _struct_columns(group, struct):

@@ -11,7 +11,7 @@ all events if that is larger, is also the standard error.
 import math
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+import scipy
 
 #: fraction of the drop above and below the middle that is fitted; fewest samples for a cubic
 NEAR, FEWEST = 0.25, 6
@@ -153,7 +153,7 @@ def has_several(y, span, noise):
         if lag > max(OF_FALL * (trough - peak), 1):
             break
         part = y[max(peak - 2 * lag, last) : min(trough + 2 * lag, following) + 1]
-        means = uniform_filter1d(part, lag, origin=-(lag // 2))[: part.size - lag + 1]
+        means = scipy.ndimage.uniform_filter1d(part, lag, origin=-(lag // 2))[: part.size - lag + 1]
         fall = means[:-lag] - means[lag:]
         if fall.size <= 2 * lag:
             continue

@@ -14,9 +14,7 @@ the record is -1.
 import math
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
-from scipy.signal import find_peaks
-from scipy.stats import mannwhitneyu
+import scipy
 
 from ..kit.sample_noise import SampleNoise, noise_of_residuals, sample_noise
 from ..load_point.splits import gaps_in
@@ -124,7 +122,7 @@ def rough_falls(y, noise):
     width = 1
     if noise.sd > 0.0 and spread > 0.0:
         width = min(math.ceil((CLEAR * noise.sd / spread) ** 2), max(int(LONGEST * y.size), 1))
-    smooth = uniform_filter1d(y, width, mode="nearest") if width > 1 else y
+    smooth = scipy.ndimage.uniform_filter1d(y, width, mode="nearest") if width > 1 else y
     expected = 2.0 * math.sqrt(2.0 * math.log(max(y.size / width, 2.0)))
     threshold = (expected + MARGIN) * noise.sd * math.sqrt(min(noise.inflation / width, 1.0))
     turns = turning_points(smooth, threshold)
@@ -143,7 +141,7 @@ def turning_points(y, threshold):
     """
     extremes = []
     for sign in (1, -1):
-        _, shape = find_peaks(sign * y, prominence=threshold, plateau_size=1)
+        _, shape = scipy.signal.find_peaks(sign * y, prominence=threshold, plateau_size=1)
         first = shape["left_edges"][shape["prominences"] > threshold]
         extremes += [(i, sign) for i in first.tolist()]
     turns: list[tuple[int, int]] = []
@@ -195,7 +193,10 @@ def is_stick_slip(series, falls):
     changes = np.append(-math.inf, series.t[1:][np.diff(series.V_lp) != 0.0])
     changed = changes[np.searchsorted(changes, peaks, side="right") - 1]
     durations, rises = troughs - peaks, peaks - np.maximum(starts, changed)
-    if len(whole) >= FEWEST and mannwhitneyu(durations, rises, alternative="less").pvalue < CHANCE:
+    if (
+        len(whole) >= FEWEST
+        and scipy.stats.mannwhitneyu(durations, rises, alternative="less").pvalue < CHANCE
+    ):
         return True
     intervals = np.diff(0.5 * (peaks + troughs))
     regular = REGULAR[len(whole) >= MANY]

@@ -13,8 +13,7 @@ import itertools
 import math
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
-from scipy.ndimage import uniform_filter1d
+import scipy
 
 from .between_samples import ANYWHERE, NEAR, corrected_for_spikes, middles
 from .detection import is_whole
@@ -121,7 +120,7 @@ def _in_record(series, spans, noise):
     # the moving average is so wide that noise does not hide the middles of falls
     width = math.ceil((CLEAR * noise.sd / (NEAR * drop)) ** 2 * noise.inflation)
     width = min(width, max(int(np.min(troughs - peaks)) // 2, 1))
-    means = uniform_filter1d(y, width) if width > 1 else y
+    means = scipy.ndimage.uniform_filter1d(y, width) if width > 1 else y
     nothing = np.zeros(peaks.size)
     middle, _ = middles(t, means, peaks, troughs, means[peaks], means[troughs], nothing, noise)
     sides = []
@@ -220,7 +219,9 @@ def _in_run(series, rate, peak, trough):
     rows = np.array([after - 1, after])
     middle = straight = float(np.interp(-level, -tau[rows], t[rows]))
     error = ANYWHERE * (t[after] - t[after - 1])
-    curve = CubicHermiteSpline(t[rows] - t[after - 1], tau[rows] - level, rate[rows])
+    curve = scipy.interpolate.CubicHermiteSpline(
+        t[rows] - t[after - 1], tau[rows] - level, rate[rows]
+    )
     crossings = curve.roots(extrapolate=False)
     if np.isfinite(crossings).any():
         middle = float(crossings[np.isfinite(crossings)][0] + t[after - 1])
@@ -249,7 +250,7 @@ def _extreme(series, rate, i, sign, drop):
     estimates = []
     for step in (1, 2):
         rows = np.unique(np.clip([i - step, i, i + step], 0, t.size - 1))
-        curve = CubicHermiteSpline(
+        curve = scipy.interpolate.CubicHermiteSpline(
             t[rows] - t[i], tau[rows] - tau[i], rate[rows], extrapolate=False
         )
         turns = curve.derivative().roots(extrapolate=False)

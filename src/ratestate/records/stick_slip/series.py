@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 import xarray
-from scipy.ndimage import uniform_filter1d
 
 from ...dynamics.results import parameter
 from ...model.conversion import in_si
@@ -135,4 +135,4 @@ def _normal_stress(data, given, samples):
     recorded = column(data, "sigma") if data["sigma"].ndim else data["sigma"].values
     typical_stress(recorded)
     sigma = np.resize(recorded, samples)  # one number holds for all samples
-    return sigma, uniform_filter1d(sigma, SMOOTH, mode="nearest")
+    return sigma, scipy.ndimage.uniform_filter1d(sigma, SMOOTH, mode="nearest")

@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 import xarray
-from scipy.special import chdtrc
 
 from ....dynamics.recipe import record_loading
 from ....errors import ParameterError
@@ -68,7 +68,7 @@ def fit_cycles(record, slider, free, loading=None):
     problem = CyclesProblem(slider, free, measured)
     runs = _solutions_from(problem, [run.point for run in runs])
     best, dof = runs[0], problem.dof
-    misfit = dof > 0 and chdtrc(dof, best.chi2) < CHANCE
+    misfit = dof > 0 and scipy.special.chdtrc(dof, best.chi2) < CHANCE
     enlarged = float(np.sqrt(best.chi2 / dof)) if misfit else 1.0
     noise = problem.noise.times(enlarged)
     solution = best._replace(

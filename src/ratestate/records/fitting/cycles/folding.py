@@ -4,7 +4,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+import scipy
 
 from ...messages import fitting as sentences
 from ...raw_record import constant_speeds_of, raw_record
@@ -228,7 +228,7 @@ def _moving_average(y, width):
     half = min(round(width) // 2, (y.size - 1) // 2)
     if half < 1:
         return y
-    return np.pad(uniform_filter1d(y, 2 * half + 1)[half:-half], half, mode="edge")
+    return np.pad(scipy.ndimage.uniform_filter1d(y, 2 * half + 1)[half:-half], half, mode="edge")
 
 
 def _filled(total, count):

@@ -10,7 +10,7 @@ their scatter.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import chdtri
+import scipy
 
 from ...kit.sample_noise import SampleNoise
 from ...messages import fitting as sentences
@@ -105,7 +105,7 @@ def corrected(measured, wave, features):
     covariance = np.cov(filled.T)
     # variances in excess of the noise; 0 if chance explains the excess
     scatter, typical = _scatter(cycles), np.mean([_scatter(copy) for copy in copies], axis=0)
-    limit = chdtri(cycles.n - 1, CHANCE) / (cycles.n - 1)
+    limit = scipy.special.chdtri(cycles.n - 1, CHANCE) / (cycles.n - 1)
     with np.errstate(invalid="ignore"):
         excess = np.where(scatter > limit * typical, scatter - typical, 0.0)
     covariance += np.diag(excess + np.where(np.arange(excess.size) == LEVEL, 0.0, MACHINE_ERROR**2))

@@ -16,7 +16,7 @@ import operator
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import block_diag, solve_triangular
+import scipy
 
 from ....friction.closed_forms import K_c, a_of_K_c, b_of_K_c
 from ....model.quantities import readable
@@ -155,7 +155,9 @@ class FeatureNoise(NamedTuple):
         """Return columns (m, k) with errors of unit variance, and ln det(covariance)."""
         columns = np.reshape(columns, (len(self.root), -1))
         log_determinant = 2.0 * float(np.log(np.diag(self.root)).sum())
-        return solve_triangular(self.root, columns, lower=True, check_finite=False), log_determinant
+        return scipy.linalg.solve_triangular(
+            self.root, columns, lower=True, check_finite=False
+        ), log_determinant
 
     def times(self, factor):
         return FeatureNoise(factor * self.root)
@@ -183,7 +185,7 @@ class CyclesProblem(LeastSquares):
             raise sentences.refusal("cycles.few_features", **names, **counts)
         self.measured = measured
         blocks = [one.covariance[np.ix_(one.used, one.used)] for one in measured]
-        self.noise = FeatureNoise(np.linalg.cholesky(block_diag(*blocks)))
+        self.noise = FeatureNoise(np.linalg.cholesky(scipy.linalg.block_diag(*blocks)))
 
     @property
     def dof(self):
@@ -215,12 +217,10 @@ def starting_points(problem):
 
 def _cloud(forward, first):
     """Return points (n, k): half near the slider, half from the features of `first`."""
-    from scipy.stats import qmc
-
     names, n = forward.names[:-1], CLOUD // 2
     amplitude, period = np.exp(first.values[:2])
     V_lp = first.segment.V_lp
-    drawn = qmc.Sobol(2 * len(names), rng=SEED).random(n)
+    drawn = scipy.stats.qmc.Sobol(2 * len(names), rng=SEED).random(n)
     values = {symbol: np.full(n, value) for symbol, value in forward.fixed.items()}
     about = forward.coordinates(values)
     about[1:, :-1] += OWN_RANGE * (2.0 * drawn[1:, : len(names)] - 1.0)

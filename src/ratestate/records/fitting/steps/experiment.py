@@ -9,8 +9,8 @@ import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 import xarray
-from scipy.linalg import block_diag
 
 from ....dynamics.progress import bar
 from ....errors import FitWarning, RateStateError
@@ -234,7 +234,7 @@ def fit_stress_step(step, others, shared):
         held, covariance = dict(zip(shared.names, shared.point, strict=True)), shared.covariance
     K, error, _ = mean_of(*estimates_of(others, "K"))
     if np.isfinite(K):
-        held["K"], covariance = K, block_diag(covariance, error**2)
+        held["K"], covariance = K, scipy.linalg.block_diag(covariance, error**2)
     values = {name: float(to_value(name, x)) for name, x in held.items()}
     settings = step.settings._replace(sliders=[step.slider.replace(**values)])
     (step,) = fit_window(

@@ -14,7 +14,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import fdtrc, stdtr
+import scipy
 
 from ...kit.least_squares import minimum
 from ...kit.regression import weighted_mean
@@ -44,7 +44,7 @@ class Shared(NamedTuple):
         """
         mean = self.denominator / (self.denominator - 2.0)
         ratio = mean * max(self.deviance, 0.0) / self.degrees
-        return float(fdtrc(self.degrees, self.denominator, ratio))
+        return float(scipy.special.fdtrc(self.degrees, self.denominator, ratio))
 
 
 class _Joint:
@@ -212,7 +212,7 @@ def ratio_of(up, down, is_log):
         return value, np.nan, np.nan
     enlarged = math.sqrt(max((chi2 + other_chi2) / degrees, 1.0))
     of_difference = enlarged * math.hypot(error, other_error)
-    p_value = float(2.0 * stdtr(degrees, -abs(difference) / of_difference))
+    p_value = float(2.0 * scipy.special.stdtr(degrees, -abs(difference) / of_difference))
     if is_log:
         return value, value * of_difference, p_value
     return value, enlarged * math.hypot(error, value * other_error) / abs(other), p_value
