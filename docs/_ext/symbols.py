@@ -35,8 +35,7 @@ def _of_laws(told):
     owners = {}
     for name, law in LAWS.items():
         owned = dict.fromkeys(law.parameters, "A parameter") | dict.fromkeys(law.states, "A state")
-        start = "Initial value, fitted if the record does not begin in steady sliding, of a state"
-        owned |= {f"{state}_start": start for state in law.states}
+        owned |= {f"{state}_start": "Initial value of a state" for state in law.states}
         for symbol, kind in owned.items():
             owners.setdefault(symbol, (kind, []))[1].append(f"`{name}`")
     return {

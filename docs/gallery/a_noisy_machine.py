@@ -3,7 +3,8 @@ Uneven loading excites the block at its own frequency
 =====================================================
 
 The load-point speed fluctuates at random by 10 %. Its mean is just below the critical velocity, so
-steady sliding is stable. The block responds most strongly at the Hopf frequency.
+steady sliding is stable. The block responds most strongly at the frequency at which it would
+vibrate above the critical velocity.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,9 @@
 Regimes over stiffness and speed
 ================================
 
-The motion of any spring-slider with b/a = 2 under the slip law, over stiffness and speed, both
-dimensionless. This map is coarse; ``ratestate atlas`` draws it in full.
+The map shows how a spring-slider with b/a = 2 moves under the slip law. Stiffness and speed are
+dimensionless, so it holds for any such slider. This map is coarse; ``ratestate atlas`` draws it in
+full.
 """
 
 import matplotlib.pyplot as plt

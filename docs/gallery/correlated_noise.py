@@ -3,9 +3,9 @@ Assuming white noise makes error estimates too small
 ====================================================
 
 One hundred records of the same velocity step, fitted one by one: each dot is an estimate. Half of
-the noise is white, half is correlated over a second, as filters and gouge make it. The dashed
-ellipse would contain 95 % of the dots if the noise were white. The solid one uses the errors of
-``fit``, which estimates the correlation.
+the noise is white, half is correlated over a second. The dashed ellipse would contain 95 % of the
+dots if the noise were white. The solid one uses the errors of ``fit``, which estimates the
+correlation.
 """
 
 import warnings
@@ -28,7 +28,7 @@ rng = np.random.default_rng(5)
 
 
 def noise():
-    """White noise, and as much that is correlated over TIME."""
+    """White noise plus noise of the same size that is correlated over TIME."""
     white, red = rng.normal(0.0, NOISE, (2, t.size))
     keep = np.exp(-(t[1] - t[0]) / TIME)
     for i in range(1, t.size):
@@ -37,7 +37,7 @@ def noise():
 
 
 def covariance(result, names):
-    """Of two parameters, in SI."""
+    """Covariance of two parameters, in SI."""
     error = result.standard_error.sel(parameter=names).values
     return result.correlation.sel(parameter=names, other=names).values * np.outer(error, error)
 

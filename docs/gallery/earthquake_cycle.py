@@ -3,10 +3,10 @@ An earthquake cycle, from plate rate to metres per second
 =========================================================
 
 A fault loaded at 3 cm a year slips in earthquakes, decades apart, that last seconds. In a
-quasi-dynamic model the waves that it radiates hold it back: ``damping`` is ``G/(2 c_s)``, 4.6 MPa
-s/m for G = 32 GPa and a shear-wave speed of 3.5 km/s, and the mass is 0. A block with mass and no
-damping overshoots instead: its stress drop is twice as large, and the next earthquake twice as far
-away. Neither needs special settings, through 14 and 20 decades of speed.
+quasi-dynamic model the radiated waves slow it down: ``damping`` is ``G/(2 c_s)``, 4.6 MPa s/m for
+G = 32 GPa and a shear-wave speed of 3.5 km/s, and the mass is 0. A block with mass and no damping
+overshoots instead: its stress drop and the time to the next earthquake are twice as large. Its
+speed spans 20 decades; with damping, 14.
 """
 
 import matplotlib.pyplot as plt

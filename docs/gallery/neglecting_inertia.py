@@ -4,8 +4,9 @@ Neglecting inertia biases a, b, Dc and K
 
 Velocity steps of a slider with mass, fitted without it. Left, each estimate divided by the true
 value, with its 95 % interval, against ``eta`` at the faster speed. Fits with ``M = 0`` are biased,
-and their intervals do not show it. The gray bands, of fits with the mass, are hardly wider than
-the line at 1. Right, one record with both fits. The fit without mass looks nearly as good.
+and their intervals do not show it. Gray bands are the intervals of fits with the mass. They are
+hardly wider than the line at 1. Right, one record with both fits. The fit without mass looks
+nearly as good.
 """
 
 import warnings

@@ -7,13 +7,13 @@ has limit cycles below the critical stiffness. On softer springs their period do
 again, until the motion never repeats (Ruina 1983; Gu et al. 1984). The parameters are theirs:
 ``b = a``, ``b2 = 0.84 a``, and distances in the ratio 0.048.
 
-Left: the stress maxima of a long run, for each stiffness. Below 0.8517 times the critical stiffness
-the slider runs away. Dashed lines are where periods double: a Floquet multiplier of
-``limit_cycle`` passes -1. The distances between them shrink by 5.6 and then by 4.8, on their way to
-Feigenbaum's 4.669. Right: each maximum against the one before, at 0.853 times the critical
-stiffness. The points lie on a curve with one turn, as those of the logistic map do. Motions that
-start side by side part: their distances grow by the exponential of the Lyapunov exponent a return,
-on average.
+Left: the stress maxima of a long run, for each stiffness. Below 0.8517 times the critical
+stiffness the slider runs away. Dashed lines show where the period doubles. The distance between
+these lines shrinks by a factor of 5.6 and then of 4.8. After many doublings the factor is expected
+to be 4.669 (Feigenbaum's constant). Right: each maximum against the one before, at 0.853 times the
+critical stiffness. The points lie on a curve with a single extremum, like the logistic map. Two
+motions that start close together move apart. The Lyapunov exponent is the mean growth of the
+logarithm of their distance from one maximum to the next.
 """
 
 import matplotlib.pyplot as plt
@@ -77,5 +77,5 @@ left.set(xlabel="Stiffness $K/K_c$", ylabel=r"Stress maxima $\tau/\sigma$", xlim
 right.plot(x, y, ".", color="k", ms=2)
 right.plot([x.min(), x.max()], [x.min(), x.max()], color=plot.BLUE, lw=0.8)
 right.set(xlabel="One maximum", ylabel="The next")
-right.text(0.06, 0.08, f"Lyapunov exponent\n{exponent:.1f} a return", transform=right.transAxes)
+right.text(0.06, 0.08, f"Lyapunov exponent\n{exponent:.1f} per maximum", transform=right.transAxes)
 plt.show()

@@ -3,10 +3,11 @@ What shakes a sliding block
 ===========================
 
 A small oscillation of the drive, or of the load that presses the surfaces together, makes friction
-and speed oscillate too. :func:`ratestate.frequency_response` gives by how much at each frequency.
-Near the critical stiffness the block rings: the peak grows and narrows as ``K`` comes down to
-``K_c``, at the frequency of the Hopf bifurcation (dotted). Normal stress moves the block far more
-than the drive does: at 1.2 ``K_c`` an oscillation of it by 0.1 % makes one of the speed by 80 %.
+and speed oscillate too. :func:`ratestate.frequency_response` gives the amplitude at each
+frequency. Near the critical stiffness the block rings: the peak grows and narrows as ``K`` comes
+down to ``K_c``, at the frequency of the Hopf bifurcation (dotted). Normal stress moves the block
+far more than the drive does. At 1.2 ``K_c``, if normal stress oscillates by 0.1 %, the speed
+oscillates by 80 %.
 """
 
 import matplotlib.pyplot as plt
