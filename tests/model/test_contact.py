@@ -20,7 +20,9 @@ def test_of_contact_divides_by_the_area():
     assert slider == SpringSlider(**FRICTION, **PER_AREA, area=2e-3, law="aging")
     assert slider != SpringSlider(**FRICTION, **PER_AREA, law="aging")
     assert SpringSlider(**FRICTION, **PER_AREA, law="aging") != slider
-    assert SpringSlider.of_contact(**{**WHOLE, "mass": None}, **FRICTION).M == 0.0
+    without_mass = {name: value for name, value in WHOLE.items() if name != "mass"}
+    damped = SpringSlider.of_contact(**without_mass, **FRICTION, dashpot="4 N s/m")
+    assert (damped.M, damped.damping) == (0.0, 2e3)
 
 
 def test_values_of_the_whole_contact_are_divided_by_the_area():
@@ -60,6 +62,7 @@ def test_stiffness_as_friction_per_length():
         (SpringSlider(**FRICTION, **PER_AREA).replace, "sigm", r"Did you mean sigma\?"),
         (SpringSlider.of_contact, "stifness", r"of_contact has no .* Did you mean stiffness\?"),
         (SpringSlider.of_contact, "K", "of_contact has no parameter K"),
+        (SpringSlider.of_contact, "damping", "of_contact has no parameter damping. .* dashpot"),
     ],
 )
 def test_mistyped_keywords(make, keyword, message):

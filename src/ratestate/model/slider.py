@@ -9,7 +9,7 @@ from ..friction.laws import DEFAULT
 from ..friction.linear_stability import K_c
 from .arrays import check_aligned
 from .names import check_keywords, refusal
-from .parameters import parameter_to_si
+from .parameters import WHOLE_CONTACT, parameter_to_si
 from .slider_parameters import COMMON, SliderParameters, extra_parameters, resolve_law
 from .units import named, to_si
 
@@ -87,8 +87,8 @@ class SpringSlider(SliderParameters):
     """
 
     @classmethod
-    def of_contact(cls, *, area, mass=None, stiffness, normal_force, **parameters):
-        """Return a slider from the mass, stiffness and normal force of the whole contact.
+    def of_contact(cls, *, area, mass=0.0, stiffness, normal_force, dashpot=None, **parameters):
+        """Return a slider from the mass, stiffness and forces of the whole contact.
 
         Parameters
         ----------
@@ -100,14 +100,16 @@ class SpringSlider(SliderParameters):
             Stiffness of the spring [N/m], > 0.
         normal_force : float, str or DataArray
             Normal force [N], > 0.
+        dashpot : float, str or DataArray, optional
+            Damping [N s/m], >= 0.
         **parameters
-            The other parameters of `SpringSlider`: a, b, Dc, mu0, V0, law, the law's parameters,
-            alpha, and damping, which may also be a value of the whole contact [N s/m].
+            The other parameters of `SpringSlider`: a, b, Dc, mu0, V0, law, the law's parameters
+            and alpha.
 
         Returns
         -------
         SpringSlider
-            The slider, with M, K and sigma per area, and with its area.
+            The slider, with M, K, sigma and damping per area, and with its area.
 
         Raises
         ------
@@ -123,14 +125,15 @@ class SpringSlider(SliderParameters):
         """
         law = resolve_law(parameters.get("law", DEFAULT))
         extra = extra_parameters(law, form_of(law, parameters.get("friction_form")))
-        mass = 0.0 if mass is None else mass
         whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
-        others = [name for name in COMMON if name not in ("sigma", "K", "M")]
-        check_keywords("SpringSlider.of_contact", parameters, (*whole, *others, *extra))
+        if dashpot is not None:
+            whole["dashpot"] = dashpot
+        others = [name for name in (*COMMON, *extra) if name not in WHOLE_CONTACT.values()]
+        check_keywords("SpringSlider.of_contact", parameters, (*WHOLE_CONTACT, *others))
         given = {"area": to_si("area", area)}
-        for symbol, name in zip(("sigma", "K", "M"), whole, strict=True):
-            value = parameter_to_si(symbol, whole[name], given, quantity=name, label=name)
-            given[symbol] = value
+        for name, value in whole.items():
+            symbol = WHOLE_CONTACT[name]
+            given[symbol] = parameter_to_si(symbol, value, given, quantity=name, label=name)
         return cls(**given, **parameters)
 
     @property
