@@ -18,7 +18,7 @@ from ..kit.regression import (
     windows_that_pass,
 )
 from ..kit.sample_noise import OF_STEP, resolution
-from .holds import FEWEST, LAST
+from .holds import FEWEST, GUARD, LAST
 from .steady import Level
 
 #: orders of polynomials in ln(time since the hold began): tested, and used; fewest samples
@@ -176,13 +176,17 @@ def _peak(record, hold, noise, low):
     )
     excess = 0.0 if smaller else curvature(*columns, rows, PEAK_USED, noise)
     local = noise.times(max(math.sqrt(excess / ORDERS), 1.0))  # (enlarged by a misfit)
-    fit = fitted_polynomial(*columns, rows, PEAK_USED, local)
-    if fit.peak is None:
-        return (ENDS if rows[-1] == slide[-1] else NO_PEAK), np.nan, None
-    at, peak, error = fit.peak
+    found = fitted_polynomial(*columns, rows, PEAK_USED, local).peak
+    if found is None and rows[-1] == slide[-1]:
+        return ENDS, np.nan, None
+    too_few = local.level > FEW * noise.level
+    if found is None or (too_few and found[2] > COARSE * (found[1] - low)):
+        found, smaller = _sharp_peak(record, slide, noise), []
+        too_few = True
+    at, peak, error = found
     if np.count_nonzero(t[slide] > t[rows[-1]]) < FEWEST:
         return ENDS, np.nan, None
-    if local.level > FEW * noise.level and error > COARSE * (peak - low):
+    if too_few and error > COARSE * (peak - low):
         return UNRESOLVED, np.nan, None
     change = np.interp(at, t, record.level - record.friction)
     height = peak + change - record.level[slide[-FEWEST:]].mean()
@@ -193,6 +197,31 @@ def _peak(record, hold, noise, low):
         misfit = (other[1] - peak) ** 2 - (other[2] ** 2 - error**2)
         error = math.hypot(error, math.sqrt(max(misfit, 0.0)))
     return EVALUATED, at, (peak, error)
+
+
+def _sharp_peak(record, slide, noise):
+    """Return time [s], friction and standard error of a peak to which friction rises in few steps.
+
+    The peak is between a sample and the one before.  There it is between friction at the sample and
+    the extrapolated curve of friction after it.
+    """
+    t, columns = record.t, (record.t, record.t, record.friction)
+    early = np.arange(slide[0] - GUARD, slide[FEWEST_OF_PEAK])
+    high = record.level[early]
+    first = early[np.argmax(high >= high.max() - LIKELY * noise.level)]
+    rows = np.arange(first, slide[-1] + 1)
+
+    def passes(size, _):
+        return curvature(*columns, rows[:size], TESTED, noise) <= SIGNIFICANT
+
+    sizes = windows_that_pass(FEWEST_OF_HOLD, rows.size, passes, FAILED)
+    rows = rows[: max(sizes, default=FEWEST_OF_HOLD)]
+    excess = 0.0 if sizes else curvature(*columns, rows, USED, noise)
+    fit = fitted_polynomial(*columns, rows, USED, noise.times(max(math.sqrt(excess / ORDERS), 1.0)))
+    at = 0.5 * (t[first - 1] + t[first])
+    beyond = max(fit.at(at)[0] - fit.at(t[first])[0], 0.0)
+    value, error = fit.at(t[first])
+    return at, value + beyond, math.hypot(error, beyond)
 
 
 def _about_maximum(friction, slide, width):
