@@ -89,7 +89,9 @@ def test_too_large_a_request_is_refused_with_its_size(monkeypatch):
     monkeypatch.setattr(machine, "memory", lambda: 64e9)
     slider = SLIDER.replace(K=rs.logspace("K", 1e9, 1e10, 10**5))
     loading, times = rs.Loading.constant(1e-3), np.linspace(0, 1, 10**5)
-    told = "the results of 100,000 cases at 100,000 times take 800 GB of memory, but 64 GB are"
+    told = (
+        "the results of 100,000 cases at 100,000 times need 800 GB of memory, but the limit is 64"
+    )
     with pytest.raises(rs.ParameterError, match=told) as error:
         rs.simulate(slider, loading, 1.0, times=times)
     assert re.search("Save fewer times, or .* store", str(error.value))

@@ -334,7 +334,7 @@ def test_jobs_are_replaced_until_that_is_used_up(slurm, kept, capfd):
         slurm.say(4, "NODE_FAIL")
         (slurm.folder / "reason").write_text("Why")
         message = (
-            r"^No SLURM job is left, and all 2 replacements are used\. The last job was lost: "
+            r"^No SLURM job is left, and all 2 replacements are used\. The last was "
             r"job 4 \(NODE_FAIL, Why\)\. .* with a longer walltime or more replacements=N\.$"
         )
         with pytest.raises(rs.SolverError, match=message):
@@ -357,7 +357,7 @@ def test_jobs_that_end_before_any_worker_comes_are_not_replaced(slurm, kept, way
     slurm.answer(way)
     with kept("cores=1,jobs=2") as jobs:
         why = r"job [12] \(FAILED\)" if way == "fail" else rf"one refused \({way}\)"
-        message = rf"before a worker came, at last {why}\. Its log .* must reach tcp://"
+        message = rf"before a worker came\. The last was {why}\. Its log .* must reach tcp://"
         with pytest.raises(rs.SolverError, match=message):
             jobs.maintain()
         assert slurm.submitted == 2

@@ -265,7 +265,7 @@ OUTPUTS = [
     ("file = 3", "file: 3 is not text"),
     ('file = "x.png"', "file: 'x.png' has an unsupported ending"),
     ('plot = "x.svg"', "plot: 'x.svg' has an unsupported ending"),
-    ('plot = "no/where.png"', "plot: 'no/where.png': there is no such folder"),
+    ('plot = "no/where.png"', "plot: 'no/where.png' is in a folder that does"),
     ('plot = "x\\ny.png"', "plot: 'x\\ny.png' cannot be the name of a file"),
     ('flie = "x.nc"', "flie: unknown key"),
 ]
@@ -471,7 +471,7 @@ def test_a_branch(read, problems):
         ("V_lp = {from=1, to=2}\nK = {from=1, to=2}", "[sweep]: V_lp and K between two ends"),
         ("V_lp = {from=1, to=2, n=3}", "[sweep] V_lp: 'n': a branch chooses its points itself"),
         ("V_lp = {from=1}", "[sweep] V_lp.to: is missing"),
-        ("V_lp = {from=1, to=1}", "[sweep] V_lp: start = 1.0 is stop too"),
+        ("V_lp = {from=1, to=1}", "[sweep] V_lp: start = 1.0 equals stop"),
         ("mu0 = {from=1, to=2}\nV_lp = 1", "[sweep] mu0: cannot be followed"),
         ("law = {from=1, to=2}\nV_lp = 1", "[sweep] law: cannot be followed"),
         ("K = {from=1, to=2}", "[sweep] V_lp: is missing"),

@@ -329,7 +329,7 @@ def test_the_scenario_of_joined_results():
         (lambda r: r.drop_attrs(), "a result with the title '' has no scenario"),
         (lambda r: r.assign_attrs(title="simulate"), "a result with the title 'simulate' has no"),
         (lambda r: r.assign_attrs(title="ratestate fit"), "a fit has no scenario. Fit the record"),
-        (lambda r: r.assign_attrs(scenario="{"), "the attribute 'scenario' of the Dataset is not"),
+        (lambda r: r.assign_attrs(scenario="{"), "the attribute 'scenario' of the Dataset has b"),
         (lambda r: r.assign_attrs(scenario='{"slider": {}, "rtol": 1}'), "is altered (TypeError"),
         (lambda r: r.drop_vars("M"), "has lost the values of 'M'"),
     ],
