@@ -269,7 +269,7 @@ def test_bad_input(options):
 
 
 @LAWS
-def test_how_the_chart_looks(charts, law, looks_as_before):
+def test_the_figure_of_an_atlas_looks_as_before(charts, law, looks_as_before):
     fig = chart.draw(charts(law))
     looks_as_before(fig, f"atlas_{law}")
     assert f"{law} (" in fig.get_suptitle()

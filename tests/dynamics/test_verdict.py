@@ -76,7 +76,7 @@ def test_only_under_the_slip_law_is_a_step_called_safe():
         (FIG4.replace(sigma="50 MPa", Dc="10 cm", M=1e7), 1e-9, "years)"),
     ],
 )
-def test_sentences_at_limits(slider, V_lp, said):
+def test_the_verdict_at_limiting_values(slider, V_lp, said):
     assert said in verdict(slider, V_lp).text
 
 

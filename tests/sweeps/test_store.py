@@ -120,7 +120,7 @@ def expected():
 # Killed -------------------------------------------------------------------------------------------
 
 
-def test_survives_kills(tmp_path):
+def test_a_store_survives_killed_processes(tmp_path):
     said = []
     _, wrong = torture(tmp_path, SMALL, kills=1, seed=9, say=said.append, whole=Here)
     assert wrong == [], "\n".join(said)

@@ -105,7 +105,7 @@ def test_agrees_with_limit_cycle(parameter, law):
 
 
 @SIDES
-def test_ends_and_specials(parameter, law):
+def test_a_branch_has_its_ends_folds_and_hopf_point(parameter, law):
     """Between the end given, bit for bit, and the Hopf point, which is that of `hopf`."""
     branch, slider, V_lp = across(parameter, law)
     start, stop = ACROSS[parameter][:2]
@@ -273,7 +273,7 @@ def test_bad_input(given, settings, parts):
         assert part in str(caught.value)
 
 
-def test_stop_out_of_reach(monkeypatch):
+def test_a_branch_that_cannot_reach_stop_keeps_its_part(monkeypatch):
     """At Dc = 1e-19 m double precision ends; what was found comes along."""
     names = list(strip().data_vars)  # cached for other tests: with the steps as they are
     # shorter steps creep on through the rounding errors

@@ -375,7 +375,7 @@ def test_a_stable_slider_without_mass_and_without_a_cycle(lab):
     assert result.stderr.startswith(f"error: no cycle is found.\n{verdict} large one")
 
 
-def test_a_cycle_that_is_none_and_limits_that_are_infinite(lab):
+def test_json_has_null_for_a_missing_cycle_and_infinite_limits(lab):
     lab.write_text(LAB.replace("3.2 mm/s", "1 mm/s").replace("t_end", "rtol = 1e-5\nt_end"))
     succeed("cycle", lab)
     found = parse_strict(call("cycle", lab, "--json").stdout)
@@ -422,7 +422,7 @@ def test_a_sweep_in_memory(lab):
 STABLE = LAB.replace('"3.2 mm/s"', '"1 mm/s"')
 
 
-def test_a_response(lab):
+def test_the_response_command_prints_numbers_and_tables(lab):
     """Its numbers, and its tables, in which changes are relative and phases in degrees."""
     lab.write_text(STABLE)
     arguments = [lab, "--frequency", "50 Hz, 0.1 kHz", "--frequency", "200 Hz"]
@@ -583,7 +583,7 @@ LEFT = {subprocess.PIPE: ["init", "--list"], subprocess.STDOUT: ["stability", "l
 
 
 @pytest.mark.parametrize("errors", LEFT)
-def test_a_reader_that_leaves_ends_it_quietly(errors, lab):
+def test_a_closed_output_pipe_ends_the_command_without_an_error(errors, lab):
     command = [sys.executable, "-c", "from ratestate.interfaces.cli import main; main()"]
     arguments = [
         *LEFT[errors],

@@ -60,7 +60,7 @@ def folder(tmp_path_factory):
     return folder, done
 
 
-def test_it_prints_both_laws_and_what_was_found(folder):
+def test_fit_prints_the_steps_found_and_the_estimates_under_both_laws(folder):
     path, done = folder
     result = files.read(path / "made" / "fit.nc")
     assert "velocity step 1 -> 10 um/s at 100.0 s" in done.stdout

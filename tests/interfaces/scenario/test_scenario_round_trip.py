@@ -200,7 +200,7 @@ unhurried = settings(deadline=None, max_examples=20, suppress_health_check=list(
 
 @unhurried
 @given(st.one_of(simulations(), others()))
-def test_text_and_back(again, scenario):
+def test_a_scenario_is_recovered_from_its_text(again, scenario):
     check(again(scenario), scenario)
 
 
@@ -278,7 +278,7 @@ KEPT = ("long record", "sweep over a sinusoid", "cycles", "stability", "response
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
-def test_result_and_back(name, again, tmp_path):
+def test_the_scenario_is_recovered_from_its_result(name, again, tmp_path):
     scenario = SCENARIOS[name]
     result = run(scenario)
     check(from_result(result), scenario)
@@ -418,7 +418,7 @@ def test_what_a_file_cannot_hold_is_refused_and_written_as_python(slider, change
         assert executed(scenario).equals(run(scenario))
 
 
-def test_the_text_reads_well():
+def test_the_text_of_a_scenario_is_formatted():
     scenario = Scenario(
         "simulate",
         SLIDER.replace(M=rs.logspace("M", 100, 1e4, 3)),
