@@ -99,7 +99,9 @@ def force_axis(run, ax):
 
 
 def phase(run, ax, *, unit_of=None, **style):
-    """Draw slip velocity against tau/sigma, and mark steady sliding.
+    """Draw slip velocity against tau/sigma, with a cross at steady sliding.
+
+    The cross marks steady sliding at the last load-point speed > 0.
 
     Parameters
     ----------

@@ -74,8 +74,8 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
           per stress maximum has.  It is 1 for a sine and 6/pi^2 for a sawtooth;
         - ``multipliers``: complex Floquet multipliers without the trivial 1, largest first, in the
           dimension ``multiplier``.  Small distances from the cycle change by these factors in a
-          period.  There is one more than the law has states.  If they are below 1e-8, only their
-          product is accurate;
+          period.  Their number is one more than the number of the law's states.  If they are below
+          1e-8, only their product is accurate;
         - ``multipliers_error``: estimated absolute error of each multiplier.  With cut-offs it may
           exceed rtol;
         - ``stable``: whether small disturbances decay;

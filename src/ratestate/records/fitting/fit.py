@@ -83,7 +83,7 @@ def fit(
         Source of the intervals.  "covariance": the covariance at the best fit.  "profile": profiles
         of the likelihood, which take about 5 times as long as the fit, or 20 times if an interval
         is open.  "posterior": samples of the posterior by dynesty, which needs 20,000 evaluations
-        or more. 10,000 evaluations take about 7 s on one core.  "auto": the covariance, but a
+        or more.  10,000 evaluations take about 7 s on one core.  "auto": the covariance, but a
         profile for each quantity along which the likelihood is not Gaussian.
 
     Returns

@@ -107,9 +107,10 @@ def events(data, *, K=None, M=None, sigma=None):
     wide as possible without a misfit beyond the noise.  Errors follow from the noise in the loading
     phases, white or correlated.  Errors of slip, slip rate and energies include the error of K,
     which all events share.  Every error includes the rounding of stresses and times to the record's
-    digits.  A peak or trough may lie between two samples.  If so, the lines through the samples on
-    either side meet beyond them.  The peak is placed halfway to their intersection, and half this
-    distance is its error.  The duration is NaN if it is less than one step between samples.
+    digits.  A peak or trough may lie between two samples.  If the events show this on average, the
+    lines through the samples on either side are extended until they meet.  The extreme is placed
+    halfway between its sample and this point, and their distance is its error.  The duration is NaN
+    if it is less than one step between samples.
 
     Two events count as one if the loading between them raises the stress by less than the detection
     threshold.  A fall that slows down and speeds up again is several events (status 6), and its
