@@ -100,7 +100,7 @@ class TestBranch:
             (
                 FIG2.replace(M=0.0),
                 "K",
-                "M = 0.0 kg/m^2 cannot be used: a branch is",
+                "M = 0.0 kg/m^2 cannot be used: a branch ne",
             ),
             (FIG2.replace(K=np.inf), "V_lp", "Steady sliding is stable along the whole axis"),
             (FIG2.replace(b=0.002), "K", "Steady sliding is stable along the whole axis"),

@@ -116,8 +116,8 @@ def test_a_failed_run_is_named_as_such():
 @pytest.mark.parametrize(
     ("runs", "message"),
     [
-        ([], "there are no runs to draw"),
-        ({}, "there are no runs to draw"),
+        ([], "the list of runs is empty"),
+        ({}, "the list of runs is empty"),
         ([rs.stability(SLIDER, 1e-3)], "a run is not a Dataset"),
         (3, "a run is not a Dataset"),
     ],
