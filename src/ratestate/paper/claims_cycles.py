@@ -1,4 +1,4 @@
-"""The paper's claims about limit cycles (Figs 4, 5), inertia (Figs 4, 6), and in section 5."""
+"""Claims on limit cycles (Figs 4, 5), on inertia (Figs 4, 6), and of section 5."""
 
 import math
 

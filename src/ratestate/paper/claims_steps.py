@@ -1,4 +1,4 @@
-"""Claims on steps in velocity: friction itself (Fig. 1), and across the critical one (2, 3)."""
+"""Claims on velocity steps: friction (Fig. 1), and steps across V_c (Figs 2 and 3)."""
 
 import functools
 import math

@@ -1,4 +1,4 @@
-"""Fig. 6: slow stick-slip where the stiffness is all but critical."""
+"""Fig. 6: slow stick-slip at a stiffness just below K_c."""
 
 from .. import Loading, limit_cycle, plot, simulate, stability
 from ..plot.labels import with_unit

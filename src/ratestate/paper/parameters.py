@@ -1,4 +1,4 @@
-"""The paper's parameter sets, each once, in SI; the evolution law is the figure's to choose."""
+"""The paper's parameter sets in SI, without the friction law, which each figure chooses."""
 
 from ..model.slider import SpringSlider
 

@@ -1,4 +1,4 @@
-"""What the paper's scheme (eqs 8, 9) does at a given time step: its V_c and limit cycles; a figure.
+"""The critical velocity and limit cycles of the paper's scheme (eqs 8, 9) at a given time step.
 
 Steps are given as omega dt, omega = sqrt(K/M): 0.1 is the largest that the script published by
 the scheme's author accepts without a warning.
@@ -119,7 +119,7 @@ def step_response(slider, V_start, V_lp, duration, omega_dt, euler=None, last=LA
 def last_cycle(run):
     """Return amplitude of tau/sigma [1] and frequency [Hz] of the last cycle in a run.
 
-    Between two steps tau is the cubic that has its slopes there.
+    Between two steps tau is a cubic with the slopes of tau at both ends.
     """
     t, tau = run.time.values, run.tau.values
     slope = parameter(run, "K") * (run.V_load - run.V).values
