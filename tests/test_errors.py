@@ -30,7 +30,9 @@ def error_of(symbol, value):
         ("M", xr.DataArray([1.0, -2.0], dims="M"), "-2", "kg/m^2", "at M[1] must be >= 0", MASS),
     ],
 )
-def test_fields(symbol, given, value, unit, problem, remedy):
+def test_an_error_has_symbol_value_unit_problem_and_remedy(
+    symbol, given, value, unit, problem, remedy
+):
     error = error_of(symbol, given)
     assert vars(error) == {
         "symbol": symbol,

@@ -89,18 +89,20 @@ def test_too_large_a_request_is_refused_with_its_size(monkeypatch):
     monkeypatch.setattr(machine, "memory", lambda: 64e9)
     slider = SLIDER.replace(K=rs.logspace("K", 1e9, 1e10, 10**5))
     loading, times = rs.Loading.constant(1e-3), np.linspace(0, 1, 10**5)
-    told = "the results of 100,000 cases at 100,000 times take 800 GB of memory, but 64 GB are"
+    told = (
+        "the results of 100,000 cases at 100,000 times need 800 GB of memory, but the limit is 64"
+    )
     with pytest.raises(rs.ParameterError, match=told) as error:
         rs.simulate(slider, loading, 1.0, times=times)
     assert re.search("Save fewer times, or .* store", str(error.value))
-    with pytest.raises(rs.ParameterError, match=r"100,000 cases take 56\d GB.*Give a store"):
+    with pytest.raises(rs.ParameterError, match=r"100,000 cases need 56\d GB.*Give a store"):
         rs.sweep(rs.simulate, slider, loading=loading, t_end=1.0, times=times, progress=False)
 
 
 @pytest.mark.parametrize("function", [rs.limit_cycle, rs.stability, basin.escape, rs.hopf])
 def test_more_cases_than_fit_are_refused_before_it_starts(function):
     slider = SLIDER.replace(M=rs.logspace("M", 1.0, 1e4, 10**5))
-    with pytest.raises(rs.ParameterError, match=r"results of 10,000,000,000 cases take .* GB"):
+    with pytest.raises(rs.ParameterError, match=r"results of 10,000,000,000 cases need .* GB"):
         function(slider, V_lp=rs.logspace("V_lp", 1e-4, 1e-2, 10**5))
 
 

@@ -153,7 +153,7 @@ def test_limit_cycle(law, cases, rtol):
 @LAWS
 @given(cases=st.lists(case, min_size=6, max_size=6))
 @settings(bounded, max_examples=3)
-def test_own_steps(law, cases):
+def test_runs_of_single_sliders_with_every_step_kept(law, cases):
     """One slider at a time, by the scalar path and with every step kept."""
     slider, p = build(cases, law)
     for i in range(len(cases)):

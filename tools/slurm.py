@@ -157,7 +157,7 @@ def dead_at_once(folder, scenario, expected):
     """Jobs end before their workers come."""
     prologue = '["echo no such module; exit 1"]'
     text = Sweep(folder, scenario, f"jobs=3,{JOB}", JOB_SCRIPT_PROLOGUE=prologue).end(code=2)
-    assert "All SLURM jobs were lost before a worker came, at last job" in text
+    assert "All SLURM jobs were lost before a worker came. The last was job" in text
 
 
 SCENES = (cancelled, out_of_time, handed_over, never_started, dead_at_once)

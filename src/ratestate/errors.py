@@ -111,7 +111,7 @@ class QuasiStaticInstability(SolverError):
 
 
 class NotConverged(SolverError):
-    """No answer of the requested accuracy was found.
+    """No result of the requested accuracy was found.
 
     Attributes
     ----------
@@ -129,4 +129,4 @@ class RecordWarning(UserWarning):
 
 
 class RunWarning(UserWarning):
-    """A run starts undisturbed on unstable steady sliding, or its law is slow to compute."""
+    """A run starts exactly in unstable steady sliding, or its law is slow to compute."""

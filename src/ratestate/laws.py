@@ -1,8 +1,8 @@
 """Names for writing a friction law, and the catalogue of all laws.
 
-`FrictionLaw` is the base class, `Parameter` describes a parameter, and the functions take the
-quantities in formulas: exp, expm1, log, log1p, sqrt, sinh, cosh, tanh, asinh, abs, minimum,
-maximum, where.  `catalogue` lists the built-in and the registered laws.
+`FrictionLaw` is the base class, and `Parameter` describes a parameter.  A formula may use the
+functions exp, expm1, log, log1p, sqrt, sinh, cosh, tanh, asinh, abs, minimum, maximum and where.
+`catalogue` lists the built-in and the registered laws.
 """
 
 from builtins import abs  # noqa: A004  (formulas use it too)
@@ -54,8 +54,8 @@ class LawEntry(NamedTuple):
     label : str
         The name for titles and legends.
     forms : dict
-        Forms of friction that the law takes, its own form first.  Each has the parameters that a
-        slider then needs in addition to a, b, Dc, sigma and K: symbol -> `Parameter`.
+        Forms of friction that the law takes, its own form first.  Each maps the symbols of the
+        parameters that a slider needs in addition to a, b, Dc, sigma and K to a `Parameter`.
     """
 
     name: str

@@ -81,7 +81,7 @@ def check_fits(size, what, remedy):
     """
     if size > ALWAYS_AVAILABLE and size > (most := memory()):
         raise ParameterError(
-            f"{what} take {size / 1e9:,.3g} GB of memory, but {most / 1e9:,.3g} GB are there",
+            f"{what} need {size / 1e9:,.3g} GB of memory, but the limit is {most / 1e9:,.3g} GB",
             remedy,
         )
 

@@ -11,7 +11,7 @@ import ratestate as rs
 BEFORE = json.loads((Path(__file__).parent / "recorded.json").read_text())
 
 
-def test_names_of_the_package():
+def test_public_names_of_the_release_still_exist():
     assert set(BEFORE["all"]) <= set(rs.__all__)
 
 

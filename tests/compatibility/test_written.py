@@ -33,7 +33,7 @@ def same_numbers(now, before):
 
 
 @pytest.mark.parametrize("name", RESULTS)
-def test_results(name, tmp_path):
+def test_results_of_an_earlier_version_are_read(name, tmp_path):
     """Values and provenance are read; the scenario is refused."""
     path = BEFORE / f"{name}.nc"
     if name == "runs":
@@ -50,7 +50,7 @@ def test_results(name, tmp_path):
         scenario.from_result(before)
 
 
-def test_a_part_of_results():
+def test_parameters_of_selected_cases_are_read_from_old_results():
     cycles = files.read(BEFORE / "limit_cycle.nc")
     for whole in (cycles, RESULTS["limit_cycle"]()):
         assert rs.plot.parameter(whole.isel(V_lp=1), "V_lp") == V_LP.values[1]
@@ -80,7 +80,7 @@ def store(tmp_path):
     return tmp_path / "store.zarr"
 
 
-def test_store(store, capsys):
+def test_a_store_of_an_earlier_version_is_read_but_not_resumed(store, capsys):
     """It is read, with values and provenance, and not resumed."""
     main(["sweep", "--store", str(store), "--status", "--verify"], standalone_mode=False)
     said = capsys.readouterr().out

@@ -243,8 +243,8 @@ def test_a_slider_of_a_law_with_parameters_is_a_point_of_its_atlas(law, own, M):
 
 def test_missing_parameters_of_an_atlas_are_named():
     for options, said in (
-        ({"law": "kato-tullis", "V_cut": 1.0}, "has a speed of its own.* Give M"),
-        ({"law": "aging", "M": 1.0}, "'aging' has no speed of its own.* Leave M out"),
+        ({"law": "kato-tullis", "V_cut": 1.0}, "has a characteristic speed.* Give M"),
+        ({"law": "aging", "M": 1.0}, "'aging' has no characteristic speed.* Leave M out"),
         ({"law": "nagata"}, "needs c"),
         ({"law": "aging", "c": 1.0}, "c"),
         ({"law": "two-state-slip", "b2": -3.0, "Dc2": 1.0}, "stable at any stiffness"),
@@ -269,7 +269,7 @@ def test_bad_input(options):
 
 
 @LAWS
-def test_how_the_chart_looks(charts, law, looks_as_before):
+def test_the_figure_of_an_atlas_looks_as_before(charts, law, looks_as_before):
     fig = chart.draw(charts(law))
     looks_as_before(fig, f"atlas_{law}")
     assert f"{law} (" in fig.get_suptitle()

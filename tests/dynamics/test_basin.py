@@ -69,7 +69,7 @@ def test_against_plain_marching(name):
     assert edge().kick_up > 0 > edge().kick_down
 
 
-def test_no_step_down_leaves():
+def test_every_step_down_from_stable_sliding_decays():
     """From the fastest stable steady sliding, V_c, to V_lp: the largest step down there is."""
     assert edge().step_down == 0
     ratio = V_LP / STRIP.V_c
@@ -140,7 +140,7 @@ def test_where_the_strip_begins_and_ends():
     ],
     ids=["b = a", "b < a", "b < 0", "K = inf", "K = inf, M = 0", "stiff", "supercritical"],
 )
-def test_nothing_leaves(changes, law):
+def test_no_disturbance_leaves_sliding_that_is_always_stable(changes, law):
     found = escape(FIG2.replace(law=law, **changes), 1e-3)
     assert found.outcome == "none"
     assert found.step_up == found.kick_up == -found.kick_down == np.inf

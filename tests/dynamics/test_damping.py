@@ -171,7 +171,7 @@ def test_a_push_does_not_run_away_from_a_dashpot():
     assert float(run.V_max) > 1e-3
 
 
-def test_a_little_damping_is_enough():
+def test_little_damping_gives_a_cycle_although_V_exceeds_the_speed_of_light():
     """However fast it slips: the speed of light is no limit of a model that has none."""
     slider = rs.SpringSlider(a=0.01, b=0.015, Dc=1e-3, sigma=5e7, K=7.5e7, damping=0.03)
     cycle = rs.limit_cycle(slider, 1e-9)

@@ -184,7 +184,7 @@ def test_usual_frequencies():
     assert slow.frequency.values[[0, -1]].tolist() == [1e-6, 1000.0]
 
 
-def test_alpha_counts_and_is_kept():
+def test_alpha_changes_the_response_and_is_kept_in_copies():
     slider = FIG2.replace(alpha=0.2)
     assert (slider.alpha, slider.values["alpha"], FIG2.alpha) == (0.2, 0.2, 0.0)
     assert "alpha" not in FIG2.values

@@ -243,8 +243,8 @@ def test_without_mass_the_bifurcation_in_K_is_degenerate(law, K):
     ("law", "ratio", "message"),
     [
         ("nope", 2.0, "law = 'nope' is unknown"),
-        ("nagata", 2.0, "law = 'nagata' is not .* as bautin needs"),
-        ("aging", 1.0, "b_over_a = 1 must be > 1.*no Hopf bifurcation"),
+        ("nagata", 2.0, "law = 'nagata' cannot be used in bautin"),
+        ("aging", 1.0, "b_over_a = 1 must be > 1.*without a Hopf bif"),
         ("slip", -2.0, "b_over_a = -2 must be > 1"),
         ("slip", xr.DataArray([2.0, 0.5], dims="q"), "b_over_a = 0.5 must be > 1"),
         ("slip", [2.0], "For many values"),

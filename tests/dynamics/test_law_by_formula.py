@@ -60,7 +60,7 @@ def test_stability_and_the_hopf_point(pair):
     assert_same(rs.hopf(own), rs.hopf(its))
 
 
-def test_cycles_large_and_small(pair):
+def test_large_and_small_cycles_equal_the_built_in_law_s(pair):
     own, its = pair()
     K = float(its.K_c(V)) * xr.DataArray([0.3, 0.999], dims="K")
     cycles = [rs.limit_cycle(one.replace(K=K), V, rtol=1e-11) for one in (own, its)]

@@ -183,7 +183,7 @@ ROWS = [0, 1], [1, 1]
         (lambda: AT.sigma_ramp(1, 1e6, 0), "> 0"),
         (
             lambda: AT.sigma_step(2, 1e6).sigma_step(1, 2e6),
-            "t = 1.0 s must come after t = 2.0 s, u",
+            "t = 1.0 s must come after t = 2.0 s, b",
         ),
         (lambda: SINUSOID.sigma_sinusoid(1.0, period=1.0), "has a sinusoid already"),
         (lambda: AT.sigma_sinusoid(1.0), "either a period or a frequency"),

@@ -185,7 +185,7 @@ def test_friction_near_0_keeps_its_digits(M):
 
 
 @pytest.mark.parametrize("barrier", [3.0, 10.64, 40.0])
-def test_a_return_takes_time(barrier):
+def test_a_return_from_the_section_takes_a_whole_period(barrier):
     """Though rounding may put a start on the section on either side of it."""
     n, rng = 300, np.random.default_rng(0)
     values = {"a": 1.0, "b": 1.769, "Dc": 1.0, "sigma": 1.0, "mu0": barrier, "V0": np.ones(n)}

@@ -265,7 +265,7 @@ def same(found, expected):
 
 
 @pytest.mark.parametrize(("job", "law"), SOME[1:])
-def test_emulated(job, law):
+def test_the_kernels_emulated_on_the_cpu_equal_the_cpu_results(job, law):
     expected = globals()[job](law)
     fates = set(expected["status"].tolist())
     if job == "returns":
@@ -371,7 +371,7 @@ def has_gpu():
 
 @pytest.mark.skipif(not has_gpu(), reason="needs a GPU")
 @pytest.mark.parametrize(("job", "law"), SOME + MORE)
-def test_gpu(job, law):
+def test_the_kernels_on_a_gpu_give_the_same_bits_each_time(job, law):
     with backend.use(device="cuda"):
         found = globals()[job](law)
     same(found, globals()[job](law))

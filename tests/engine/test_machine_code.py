@@ -63,7 +63,7 @@ def test_functions_are_accurate(name):
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_other_functions(width):
+def test_compiled_exp_and_inverse_cosine_and_rough_log2_are_accurate(width):
     x = np.linspace(-8.0, 8.0, 64)
     exp, inverse = run(functions.exp_and_inverse, width, x)
     np.testing.assert_allclose([exp, inverse], np.exp([x, -x]), rtol=2e-15)
@@ -74,7 +74,7 @@ def test_other_functions(width):
 
 
 @pytest.mark.parametrize("name", ["exp", "expm1", "softplus", "tanh", "asinh", "asinh_of_exp"])
-def test_far_arguments_saturate_and_nan_stays(name):
+def test_huge_arguments_give_finite_values_and_nan_gives_nan(name):
     x = np.array([-1e300, -700.0, 700.0, 1e300, np.nan, -np.inf, np.inf, 0.0])
     (found,) = run(lambda one: [getattr(functions, name)(one)], 4, x)
     assert np.isnan(found[4])
@@ -88,7 +88,7 @@ def test_logarithm_of_numbers_that_are_not_positive(x):
     assert found[1] == np.log(2.0)
 
 
-def test_conditions_select():
+def test_where_selects_in_compiled_code():
     x = np.array([-2.0, 0.5, 3.0, np.nan])
     (found,) = run(lambda one: [where((one > 0.0) & ~(one >= 1.0), one * one, -one)], 4, x)
     np.testing.assert_array_equal(found, [2.0, 0.25, -3.0, np.nan])

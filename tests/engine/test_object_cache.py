@@ -223,7 +223,9 @@ def mode(bits):
         (2, disowned, "belongs to another user"),
     ],
 )
-def test_a_folder_of_others_is_not_used(level, change, reason, cache_folder, other_folder, capfd):
+def test_a_cache_folder_that_others_can_write_to_is_not_used(
+    level, change, reason, cache_folder, other_folder, capfd
+):
     """Be it the folder itself, the one around it, or one above; the two places are alike."""
     for folder in (cache_folder, other_folder):
         for part in (*reversed(folder.parents), folder):
@@ -298,7 +300,7 @@ def folder(path):
         (folder, False),
     ],
 )
-def test_a_file_of_others_is_not_loaded(change, reported, cache_folder, capfd):
+def test_machine_code_of_another_user_is_not_loaded(change, reported, cache_folder, capfd):
     load_add_three()
     path = only_file(cache_folder)
     change(path)
@@ -355,7 +357,7 @@ def test_a_law_that_cannot_be_compiled_is_named(cache_folder, monkeypatch):
 
 
 @pytest.mark.parametrize(("seconds", "reported"), [(0.6, "1.2"), (0.4, ""), (30.0, "60.0")])
-def test_a_long_time_is_reported_once(seconds, reported, cache_folder, monkeypatch, capfd):
+def test_a_long_compilation_is_reported_once(seconds, reported, cache_folder, monkeypatch, capfd):
     monkeypatch.setattr(machine_code, "_reported", [])
     monkeypatch.setattr(machine_code, "_seconds", [])
     clock = iter(np.arange(100) * seconds)

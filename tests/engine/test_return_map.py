@@ -192,7 +192,7 @@ def test_derivative_of_stick_slip(law, parameters, multiplier):
 
 
 @LAWS
-def test_statuses(law):
+def test_each_return_has_its_status(law):
     kinds = [
         (0.8, 0.1, np.inf),  # comes back
         (3.0, 0.1, np.inf),  # spirals towards steady sliding
@@ -248,7 +248,7 @@ def all_numbers(returns):
 
 @LAWS
 @pytest.mark.parametrize("observed", [False, True])
-def test_same_bits_anywhere(law, observed, monkeypatch):
+def test_returns_have_the_same_bits_in_any_batch(law, observed, monkeypatch):
     system, y = random_sliders(law, 40)
     rtol = 10 ** np.random.default_rng(3).uniform(-9, -4, 40)
     period = np.where(np.arange(40) % 7 == 0, np.nan, 7.0) if observed else None  # some have none

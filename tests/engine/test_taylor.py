@@ -132,7 +132,7 @@ def relative(run, exact):
 
 
 @pytest.mark.parametrize("law", WITH_RECURRENCES)
-def test_same_answers_as_rodas5p(law):
+def test_taylor_steps_agree_with_rodas5p(law):
     """Of random sliders, quasi-harmonic and stick-slip, under a loading with steps and a ramp."""
     rng = np.random.default_rng(20)
     errors = []
@@ -181,7 +181,7 @@ def test_taylor_steps_are_taken_only_if_not_stiff(law, rtol):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_no_return_is_missed(seed):
+def test_every_crossing_of_V_lp_within_a_step_is_found(seed):
     """V may rise above V_lp and fall below it again within a step, as it does in transients."""
     rng = np.random.default_rng(seed)
     a, b, Dc, sigma, V = 0.005, 0.0005, 1e-5, 1e6, 1e-5

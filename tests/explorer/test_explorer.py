@@ -157,7 +157,7 @@ class TestLaws:
         assert arrays["run_time"].size > 10
 
     @pytest.mark.parametrize("more", [{"law": "mine@12345678"}, {"law_file": "mine.py"}])
-    def test_no_page_has_a_law_file_run(self, more, law_file, tmp_path, monkeypatch):
+    def test_entries_of_a_page_cannot_run_a_law_file(self, more, law_file, tmp_path, monkeypatch):
         law_file("raise SystemExit")
         monkeypatch.chdir(tmp_path)
         with pytest.raises(entries.BadEntries) as caught:
@@ -183,7 +183,7 @@ class TestFriction:
 
 
 class TestWire:
-    def test_answers_are_as_described(self):
+    def test_an_answer_has_a_header_and_arrays(self):
         arrays = {"x": np.arange(3), "y": np.array([True])}
         header, found = read(
             wire.answer(7, "picture", arrays, big=np.inf, n=np.int64(3), text="\u00b5")
@@ -216,7 +216,7 @@ class TestWire:
 
 
 class TestPicture:
-    def test_it_shows_the_run_and_the_cycle(self):
+    def test_a_picture_has_the_run_and_the_limit_cycle(self):
         header, arrays = painted(STICK_SLIP)
         cycle = rs.limit_cycle(FIG4, 1e-4)
         assert header["numbers"]["period"] == pytest.approx(float(cycle.period), rel=1e-7)
@@ -277,7 +277,7 @@ class TestPicture:
         damped, _ = painted(VIBRATION | {"V_lp": "3.16 mm/s"})
         assert "oscillations long. Its transient has not decayed" in damped["notes"][0]
 
-    def test_a_start_that_was_not_found_is_said(self, monkeypatch):
+    def test_an_unknown_motion_before_time_0_is_noted(self, monkeypatch):
         attractor = picture._attractor
 
         def fails_before(slider, V, watch):
@@ -355,7 +355,7 @@ class TestPicture:
         now["monotonic"] += 0.9
         assert not deadline.is_set()
 
-    def test_a_deadline_of_parts_has_an_end(self):
+    def test_a_deadline_that_is_restarted_ends_at_its_total_time(self):
         deadline = Deadline(60.0, whole=0.05)
         begin = time.monotonic()
         while not deadline.is_set() and time.monotonic() < begin + 5.0:
@@ -410,7 +410,7 @@ class TestCharts:
             ),
         ],
     )
-    def test_a_missing_map_has_a_message(self, changes, said):
+    def test_a_slider_without_a_map_of_regimes_gets_a_message(self, changes, said):
         with pytest.raises(rs.ParameterError, match=said):
             charts.chart(FIG2.replace(**changes), 4, Deadline(60.0))
 
@@ -535,7 +535,7 @@ class TestServer:
             with pytest.raises(ConnectionClosed, match="these are not questions"):
                 drained(socket)
 
-    def test_a_chart_comes_twice(self, port, monkeypatch):
+    def test_a_chart_is_sent_coarse_and_then_fine(self, port, monkeypatch):
         monkeypatch.setattr(charts, "SIZES", (2, 3))
         with page(port) as socket:
             ask(socket, 1, "chart")
@@ -595,7 +595,7 @@ class TestServer:
                 assert caught.value.rcvd.code == 1013
                 assert "too many pages" in caught.value.rcvd.reason
 
-    def test_nothing_is_left_of_pages_that_left(self, port):
+    def test_closed_pages_leave_no_threads_or_queues(self, port):
         with page(port) as socket:
             ask(socket, 1)
             answered(socket, 1)

@@ -32,7 +32,7 @@ def pieces(header, arrays):
 
 
 class TestBranch:
-    def test_it_is_that_of_continue_cycle(self):
+    def test_the_diagram_agrees_with_continue_cycle(self):
         header, arrays = diagram(AGING, "K")
         (found,) = pieces(header, arrays)
         soft = 0.9 * float(AGING.K_c(V_LP))
@@ -100,7 +100,7 @@ class TestBranch:
             (
                 FIG2.replace(M=0.0),
                 "K",
-                "M = 0.0 kg/m^2 cannot be used: a branch is",
+                "M = 0.0 kg/m^2 cannot be used: a branch ne",
             ),
             (FIG2.replace(K=np.inf), "V_lp", "Steady sliding is stable along the whole axis"),
             (FIG2.replace(b=0.002), "K", "Steady sliding is stable along the whole axis"),
@@ -113,7 +113,7 @@ class TestBranch:
         assert arrays["parameter"].size == 0
         assert 0.0 < header["low"] < header["high"] < np.inf
 
-    def test_of_no_mass_the_diagram_along_M_is_that_of_any(self):
+    def test_the_diagram_along_M_of_a_slider_without_mass_has_the_hopf_point(self):
         header, _ = diagram(FIG2.replace(M=0.0), "M")
         M_c = 0.5 * FIG2.a * FIG2.sigma * FIG2.Dc / V_LP**2  # K = 1.5 K_c_qs: eta = 0.5
         assert header["hopf"] == pytest.approx((M_c,), rel=1e-9)

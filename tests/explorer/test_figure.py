@@ -135,7 +135,7 @@ class _Late(Deadline):
 
 
 class TestPinned:
-    def test_they_lie_behind_by_name(self):
+    def test_pinned_runs_are_named_in_the_legend(self):
         fig, (stress, speed, phase, _) = drawn(*PINNED)
         names = [text.get_text() for text in fig.legends[0].get_texts()]
         assert names == [
@@ -154,7 +154,7 @@ class TestPinned:
         shown = stress.lines[0].get_xdata()
         assert slower.get_xdata().max() <= shown.max()
 
-    def test_a_question_holds_three(self):
+    def test_a_figure_has_at_most_three_pinned_runs(self):
         text = '{"id": 1, "ask": "svg", "entries": {}, "pinned": [%s]}'
         assert len(wire.checked(wire.Question, text % "{}, {}, {}").pinned) == 3
         for wrong in (text % "{}, {}, {}, {}", text.replace("[%s]", '"many"')):
@@ -200,7 +200,7 @@ class TestFiles:
         assert found == alone
         assert dict(mpl.rcParams) == before
 
-    def test_nothing_overlaps(self):
+    def test_title_axes_and_legend_of_the_figure_do_not_overlap(self):
         beyond = STICK_SLIP | {"law": "aging", "K": "0.1 MPa/m"}  # the longest legend of a map
         for questions in (PINNED, [beyond]):
             fig, axes = drawn(*questions)

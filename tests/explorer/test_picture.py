@@ -52,7 +52,7 @@ def test_cycles_and_runs_that_are_not_shown_have_none():
 AGING = FIG2.replace(law="aging", K=601e6)
 
 
-def test_marks_are_the_verdicts():
+def test_marks_on_controls_are_the_critical_values_of_the_verdict():
     steady = rs.stability(AGING, 1e-4)
     found = marks(answer := verdict(AGING, 1e-4))
     assert found["K"] == [["K_c", float(steady.K_c)], ["K_fold", answer.K_fold]]

@@ -64,7 +64,7 @@ class TestEntries:
         assert "segment 2" not in said
         assert "segment 3" in said
 
-    def test_as_many_and_as_long_as_a_page_may_have(self):
+    def test_a_protocol_of_the_largest_length_is_read(self):
         twenty = "; ".join(["1 m/s for 1 s"] * 20)
         assert len(state.segments_of(twenty + " " * (1000 - len(twenty)))) == 20
 
@@ -82,7 +82,7 @@ class TestEntries:
         assert list(problems) == ["kick"]
         assert "Give a number > 0 that is not 1, such as 10" in problems["kick"]
 
-    def test_they_are_read_as_they_are_written(self):
+    def test_protocols_are_read_as_they_are_written(self):
         segments = (Segment(0.0, None, 12.5), Segment(1e-6, 2.2e6, 1e3))
         state = PageState(FIG2, 1e-4, 2e-4, 1.9e6, segments, 0.5)
         assert state_of(entries_of(state, 15)) == state

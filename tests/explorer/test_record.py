@@ -260,7 +260,7 @@ class TestServer:
             assert "larger than the 50 MB" in socket.greeting["too_large"]
 
     @pytest.mark.parametrize("counted", [True, False])
-    def test_a_file_may_be_so_large(self, port, monkeypatch, counted):
+    def test_a_file_above_the_size_limit_is_refused(self, port, monkeypatch, counted):
         monkeypatch.setattr(lab_record, "LARGEST", len(GOOD))
         read_at_once(monkeypatch)
         with page(port) as socket:

@@ -32,7 +32,7 @@ def recorded(text):
 
 
 class TestRecording:
-    def test_it_has_the_answers_that_the_server_gives(self):
+    def test_a_saved_page_has_the_answers_of_the_server(self):
         rows = recorded(exports.standalone(STICK_SLIP, [VIBRATION], Deadline(60.0)))
         asked = ["hello", "picture", "picture", "chart", "branch", "branch", "branch"]
         assert [row[0] for row in rows] == asked
@@ -51,7 +51,7 @@ class TestRecording:
         assert [start["entries"] for start in hello["presets"]] == [STICK_SLIP]
         assert hello["live"].startswith("http://127.0.0.1:8765/#a=0.005&b=0.008&")
 
-    def test_its_sliders_reach_about_usual_values(self):
+    def test_ranges_of_controls_are_about_usual_values_if_M_is_0_or_K_is_inf(self):
         rigid = VIBRATION | {"M": "0 kg/m^2", "K": "inf Pa/m"}
         hello = recorded(exports.standalone(rigid, [], Deadline(60.0)))[0][2]
         usual = {field["symbol"]: field["usual"] for field in hello["fields"]}
@@ -79,7 +79,7 @@ class TestRecording:
 
 
 class TestFile:
-    def test_it_names_no_other_file_and_allows_nothing_else(self):
+    def test_a_saved_page_loads_no_other_file(self):
         text = exports.standalone(STICK_SLIP, [], Deadline(60.0))
         assert not re.search(r'(?:src|href)="(?!data:|http://127\.0\.0\.1:8765/#)', text)
         policy = re.search(r'Content-Security-Policy" content="([^"]+)"', text)[1]
@@ -96,7 +96,7 @@ class TestFile:
         assert text.count("</script>") == 2
         assert recorded(text)[1][1]["note"] == "</script><b>"
 
-    def test_it_is_written_whole_or_not_at_all(self, tmp_path, monkeypatch):
+    def test_a_saved_page_is_written_whole_or_not_at_all(self, tmp_path, monkeypatch):
         path = tmp_path / "page.html"
         path.write_text("before")
         with pytest.raises(rs.ParameterError, match=r"ends in \.html"):
@@ -107,7 +107,7 @@ class TestFile:
         assert [file.name for file in tmp_path.iterdir()] == ["page.html"]
         assert path.read_text() == "before"
 
-    def test_the_command(self, tmp_path, capsys):
+    def test_explore_save_writes_a_page(self, tmp_path, capsys):
         path = tmp_path / "rig.html"
         with pytest.raises(SystemExit) as done:
             main(["explore", "--save", str(path)])

@@ -58,7 +58,7 @@ def results():
 
 @pytest.mark.parametrize("kind", RESULTS)
 @pytest.mark.parametrize("ending", ["nc", "zarr"])
-def test_round_trips(kind, ending, results, tmp_path):
+def test_results_are_read_from_files_as_they_were(kind, ending, results, tmp_path):
     path = tmp_path / f"x.{ending}"
     assert files.write(results[kind], path) == path
     again = files.read(path)

@@ -66,7 +66,7 @@ def test_a_quantity_has_one_unit_whatever_its_values(name, unit, size, factor):
     assert empty == f"{heading}\n"
 
 
-def test_a_cell_is_one_line():
+def test_lines_of_a_text_are_joined_in_one_cell():
     texts = ["one\ntwo, three", "four"]
     text = laboratory_csv(xarray.Dataset({"warnings": ("step", texts)}), "step")
     assert text == 'warnings\n"one | two, three"\nfour\n'

@@ -153,7 +153,7 @@ def test_bounds_at_the_paper_s_stiffness():
 # Limits and shapes --------------------------------------------------------------------------------
 
 
-def test_limits():
+def test_runaway_bounds_and_period_without_instability():
     for b in (A, 0.5 * A, 0.0, -A):  # never unstable
         parameters = {"a": A, "b": b, "Dc": DC, "sigma": SIGMA, "K": 1e9}
         assert runaway_step(a=A, b=b) == np.inf

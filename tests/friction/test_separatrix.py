@@ -55,7 +55,7 @@ def runs_away(b_over_a, ratio, v, y):
 
 
 @pytest.mark.parametrize(("b_over_a", "ratio"), CORNERS + BETWEEN)
-def test_motions_on_both_sides_of_the_edge(b_over_a, ratio):
+def test_only_motions_above_the_edge_run_away(b_over_a, ratio):
     """1e-7 below the edge the motion returns, 1e-7 above it does not."""
     edge = edge_of_slip_law(ratio * (b_over_a - 1), b_over_a, LARGEST)
     assert 0 < edge.kick_up < ratio

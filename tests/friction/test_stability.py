@@ -61,7 +61,7 @@ def test_limits_of_V_c(changes, V_c):
     assert rsf.V_c(**{**FIG_2, "K": 900e6, "M": 3000.0, **changes}) == V_c
 
 
-def test_other_limits():
+def test_f_n_and_omega_c_at_their_limits():
     assert rsf.f_n(K=1e9, M=0) == rsf.f_n(K=np.inf, M=1) == rsf.f_n(K=np.inf, M=0) == np.inf
     assert rsf.omega_c(1e-3, a=0.003, b=0.006, Dc=1e-5) == pytest.approx(100, rel=1e-15, abs=0)
     assert np.isnan(rsf.omega_c(1e-3, a=0.003, b=0.003, Dc=1e-5))

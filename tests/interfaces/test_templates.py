@@ -66,7 +66,7 @@ def test_a_template_says_what_it_is_and_what_to_try(name):
     assert all(re.search(r" {4,}\w.*\w$", command) for command in commands(name))
 
 
-def test_its_law_is_filled_in():
+def test_each_template_has_its_law_filled_in():
     """In the file that users get; it is a law that needs no parameter of its own, as are others."""
     for name in TEMPLATES:
         text, law = template(name), of_template(name).slider.law
@@ -240,7 +240,7 @@ def test_record():
 
 
 @pytest.mark.parametrize("name", ["lab", "brake", "fault", "record"])
-def test_those_to_start_from_comment_on_every_parameter(name):
+def test_starting_templates_comment_on_every_parameter(name):
     text = template(name)
     for line in text.split("[slider]\n")[1].split("\n[loading]")[0].strip().split("\n"):
         symbol = line.split(" = ")[0]

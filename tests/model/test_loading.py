@@ -202,7 +202,7 @@ def test_a_step_may_begin_when_a_ramp_to_the_same_speed_ends():
 @pytest.mark.parametrize(
     ("event", "message"),
     [
-        (lambda x: x.step(5, 1.0), "t = 5.0 s must come after t = 5.0 s, up to which the hist"),
+        (lambda x: x.step(5, 1.0), "t = 5.0 s must come after t = 5.0 s, because the hist"),
         (lambda x: x.hold(7, 1).step(7.5, 1.0), "t = 7.5 s must come after t = 8.0 s"),
         (lambda x: x.step(6, -1.0), "V_lp from t = 6.0 s on = -1 m/s must be >= 0"),
         (lambda x: x.hold(6, 0), "hold = 0 s must be > 0"),
@@ -253,7 +253,7 @@ def test_errors_of_a_sinusoid():
         ({"period": None, "frequency": 1e-320}, "is out of range"),
         ({"period": logspace("period", 1, 2, 2)}, "the period of a sinusoid is an array"),
         ({"t_end": 1e4}, "2.56e+06 straight lines for each of 1 cases"),
-        ({"t_end": 1e3, "V_lp": logspace("V_lp", 1e-3, 1, 50)}, "and 1e+07 in all cases"),
+        ({"t_end": 1e3, "V_lp": logspace("V_lp", 1e-3, 1, 50)}, "and 1e+07 in all)"),
     ],
 )
 def test_bad_sinusoids(changes, message):

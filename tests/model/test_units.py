@@ -82,7 +82,7 @@ def test_pint_has_the_units_of_the_tables_and_examples_are_valid():
     "value",
     [3, 3.0, np.float64(3), np.float32(3), np.int16(3), np.array(3.0), Decimal(3), "3 kg/m^2"],
 )
-def test_scalars(value):
+def test_to_si_of_a_scalar_is_a_float(value):
     assert to_si("M", value) == 3.0
     assert type(to_si("M", value)) is float
 

@@ -162,7 +162,7 @@ def test_drawing_from_a_file_alone(numbers, number, law, tmp_path, looks_as_befo
     assert figures.FIGURES[number].both_laws or f"{law} (" in fig.get_suptitle()
 
 
-def test_files(tmp_path):
+def test_make_writes_png_pdf_and_nc_of_a_figure(tmp_path):
     paths = figures.make("1", "slip", tmp_path / "new")
     assert [path.name for path in paths] == ["fig1.png", "fig1.pdf", "fig1.nc"]
     assert sorted(paths) == sorted((tmp_path / "new").iterdir())

@@ -50,7 +50,7 @@ def end(run):
 
 
 @VARIANTS
-def test_it_converges_at_order_1(law, euler):
+def test_the_scheme_converges_at_order_1(law, euler):
     """To what `simulate` finds, across a step and a hold, whose times are no multiples of dt."""
     slider = FIG2.replace(law=law)
     loading = rs.Loading.steps(1e-3, (0.00501, 2e-3), (0.01503, 0.0), (0.016, 2e-3))
@@ -100,7 +100,7 @@ def test_the_last_cycle_agrees_with_limit_cycle():
         ({"dt": 1e-15}, "Give a larger dt"),
     ],
 )
-def test_refusals(changes, message):
+def test_wrong_arguments_of_im2017_are_refused(changes, message):
     given = {"slider": FIG2, "loading": rs.Loading.constant(1e-3), "t_end": 1.0, "dt": 1e-4}
     with pytest.raises(rs.ParameterError, match=message):
         rs.paper.im2017(**given | changes)

@@ -43,7 +43,7 @@ def drawn(fig):
     return panels(fig)
 
 
-def test_a_run(looks_as_before):
+def test_the_figure_of_a_run_shows_stress_speed_and_phase_plane(looks_as_before):
     run = rs.simulate(SLIDER, rs.Loading.steps(1e-4, (0.05, 0.0), (0.06, 3.2e-3)), 0.2)
     fig = looks_as_before(plot.figure(run), "page_run")
     stress, speed, plane = drawn(fig)
@@ -67,7 +67,7 @@ def test_a_long_run_shows_its_last_cycles(looks_as_before):
     assert f"the last 5 of {int(run.cycles)} cycles" in last.get_title("left")
 
 
-def test_a_cycle(looks_as_before):
+def test_the_figure_of_a_limit_cycle_shows_its_period_and_speeds(looks_as_before):
     cycle = rs.limit_cycle(SLIDER, 3.2e-3)
     fig = looks_as_before(plot.figure(cycle), "page_cycle")
     _, speed, plane = panels(fig)
@@ -188,7 +188,7 @@ def test_a_frequency_response(looks_as_before):
         plot.figure(swept)
 
 
-def test_a_branch(looks_as_before):
+def test_the_figure_of_a_branch_shows_its_speeds_and_multipliers(looks_as_before):
     branch = rs.continue_cycle(SLIDER, "V_lp", 5e-3, 3e-3, rtol=1e-6)
     fig = looks_as_before(plot.figure(branch), "page_branch")
     _, speeds, multiplier = drawn(fig)

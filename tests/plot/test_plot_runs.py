@@ -77,14 +77,14 @@ def test_runs_are_named_by_what_differs():
     assert labels(drawn({"stiff": runs[1], 2: runs[0]})[1]) == ["stiff", "2"]
 
 
-def test_a_law_and_more_have_shades_and_the_law_s_dashes():
+def test_runs_that_differ_in_law_and_K_have_own_colours_and_dashes_by_law():
     runs = [run_of(law=law, K=K) for law in ("slip", "aging") for K in (2e9, 3e9)]
     _, lines = drawn(runs)
     assert len({tuple(line.get_color()) for line in lines}) == 4
     assert [line.get_linestyle() for line in lines] == ["-", "-", "--", "--"]
 
 
-def test_a_dimension_of_runs():
+def test_runs_along_a_dimension_are_named_by_its_values():
     K = xr.DataArray([1e9, 2e9, 4e9], dims="K")
     runs = rs.simulate(SLIDER.replace(K=K), STEP, 0.1, times=TIMES)
     ax, lines = drawn(runs, x="delta_lp")
@@ -116,8 +116,8 @@ def test_a_failed_run_is_named_as_such():
 @pytest.mark.parametrize(
     ("runs", "message"),
     [
-        ([], "there are no runs to draw"),
-        ({}, "there are no runs to draw"),
+        ([], "the list of runs is empty"),
+        ({}, "the list of runs is empty"),
         ([rs.stability(SLIDER, 1e-3)], "a run is not a Dataset"),
         (3, "a run is not a Dataset"),
     ],

@@ -59,7 +59,7 @@ def test_a_bound_on_the_way_does_not_hold():
         assert minimum(function, first, low, high, 100).x == pytest.approx(exact, abs=1e-3)
 
 
-def test_the_last_step_is_free():
+def test_the_last_step_of_least_squares_needs_no_evaluation():
     """A linear problem: of two steps, the second ends at the minimum, without an evaluation."""
     rng = np.random.default_rng(0)
     A, b = rng.normal(size=(40, 3)), rng.normal(size=40)

@@ -26,7 +26,7 @@ def test_results_are_in_order_and_from_both_processes():
     assert 0 < done[0] <= done[-1] <= 60
 
 
-def test_few_items_are_computed_here():
+def test_few_items_are_computed_in_this_process():
     assert {process for _, process in mapped(squared, range(3))} == {os.getpid()}
     assert mapped(squared, []) == []
 
@@ -44,7 +44,7 @@ def test_without_processes_the_work_is_done_here(monkeypatch):
     assert {process for _, process in mapped(squared, range(8))} == {os.getpid()}
 
 
-def test_an_error_is_raised():
+def test_an_error_in_a_child_process_is_raised():
     with pytest.raises(ValueError, match="no 3"):
         mapped(refuses, range(40))
 

@@ -102,7 +102,7 @@ def test_a_quantity_without_values_has_no_row():
     assert not any(line.startswith("amplitude") for line in printed(rs.summary(found), 80))
 
 
-OUTSIDE = "leave the domain of the friction law, which knows forward slip only: "
+OUTSIDE = "leave the domain of the friction law, which describes forward slip only: "
 
 
 def test_cases_outside_the_domain_are_counted_and_listed():

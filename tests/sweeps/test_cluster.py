@@ -168,7 +168,7 @@ def deaths(client):
 @pytest.mark.parametrize(
     ("function", "store"), [("limit_cycle", False), ("simulate", False), ("stability", True)]
 )
-def test_the_same_bits_as_here(client, function, store, tmp_path):
+def test_a_cluster_gives_the_same_bits_as_this_process(client, function, store, tmp_path):
     path = tmp_path / "x.zarr" if store else None
     found = sweep(function, client=client, chunk=9, store=path)
     xarray.testing.assert_identical(found.load(), sweep(function))
@@ -186,11 +186,11 @@ def test_workers_are_given_a_users_law(client, law_file):
     xarray.testing.assert_identical(found.load(), here)
 
 
-def test_chunks_by_a_probe(client, alone):
+def test_a_cluster_chooses_the_chunk_size_by_itself(client, alone):
     xarray.testing.assert_identical(sweep("limit_cycle", client=client), alone)
 
 
-def test_a_task_weighs_what_its_cases_do():
+def test_a_task_is_sent_with_its_own_cases_only():
     slider = SLIDER.replace(M=rs.logspace("M", 1e2, 1e5, 1_000_000))
     name, call = calls.call_of("limit_cycle", slider, {"V_lp": 1e-3})
     part = isel(call, chunks_of(call.batch.sizes, 1000).slices(500))
@@ -239,7 +239,7 @@ def test_a_cluster_that_closes(cycles, alone, once_done, tmp_path):
     xarray.testing.assert_identical(sweep("limit_cycle", store=path).load(), alone)
 
 
-def test_an_interrupt_ends_it_soon(client, cycles, alone, once_done, tmp_path):
+def test_an_interrupt_ends_a_sweep_on_a_cluster_soon(client, cycles, alone, once_done, tmp_path):
     cycles(Slow)
     path, times = tmp_path / "x.zarr", []
 

@@ -219,7 +219,7 @@ def test_two_sweeps_at_a_time():
         ("cores=1,memory=1GB,replacements=7,wait=2-03:00:01", (1, 7, 183601.0, 1)),
     ],
 )
-def test_how_jobs_are_kept(slurm, options, kept):
+def test_options_set_the_number_replacements_and_wait_of_jobs(slurm, options, kept):
     with slurm_module.slurm_cluster(options, "cpu") as backend:
         jobs = backend.jobs
         assert (jobs.number, jobs.replacements, jobs.wait, backend.thread_count) == kept
@@ -334,7 +334,7 @@ def test_jobs_are_replaced_until_that_is_used_up(slurm, kept, capfd):
         slurm.say(4, "NODE_FAIL")
         (slurm.folder / "reason").write_text("Why")
         message = (
-            r"^No SLURM job is left, and all 2 replacements are used\. The last job was lost: "
+            r"^No SLURM job is left, and all 2 replacements are used\. The last was "
             r"job 4 \(NODE_FAIL, Why\)\. .* with a longer walltime or more replacements=N\.$"
         )
         with pytest.raises(rs.SolverError, match=message):
@@ -357,13 +357,13 @@ def test_jobs_that_end_before_any_worker_comes_are_not_replaced(slurm, kept, way
     slurm.answer(way)
     with kept("cores=1,jobs=2") as jobs:
         why = r"job [12] \(FAILED\)" if way == "fail" else rf"one refused \({way}\)"
-        message = rf"before a worker came, at last {why}\. Its log .* must reach tcp://"
+        message = rf"before a worker came\. The last was {why}\. Its log .* must reach tcp://"
         with pytest.raises(rs.SolverError, match=message):
             jobs.maintain()
         assert slurm.submitted == 2
 
 
-def test_a_queue_that_starts_nothing(slurm, kept, monkeypatch):
+def test_jobs_that_never_start_end_the_sweep_after_the_wait(slurm, kept, monkeypatch):
     (slurm.folder / "reason").write_text("PartitionDown")
     with kept("cores=1,jobs=2,wait=00:01:00") as jobs, monkeypatch.context() as patch:
         begin = jobs.last_worker

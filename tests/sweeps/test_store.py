@@ -120,7 +120,7 @@ def expected():
 # Killed -------------------------------------------------------------------------------------------
 
 
-def test_survives_kills(tmp_path):
+def test_a_store_survives_killed_processes(tmp_path):
     said = []
     _, wrong = torture(tmp_path, SMALL, kills=1, seed=9, say=said.append, whole=Here)
     assert wrong == [], "\n".join(said)
@@ -252,7 +252,7 @@ def test_an_interrupted_sweep_says_how_to_go_on(path, monkeypatch):
         if number == 3:
             raise KeyboardInterrupt
 
-    with solved(later), pytest.raises(KeyboardInterrupt, match="results are lost"):
+    with solved(later), pytest.raises(KeyboardInterrupt, match="results of the sweep are lost"):
         sweep()
     said = r"interrupted\. 6 of 16 cases are stored in .*x\.zarr\. Run the same sweep again"
     with solved(later), pytest.raises(KeyboardInterrupt, match=said):

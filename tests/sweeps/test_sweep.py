@@ -77,7 +77,7 @@ def test_chunks_tile_the_sweep_in_order(sizes, most):
 
 
 @given(sizes)
-def test_halves_are_the_whole(sizes):
+def test_halves_of_a_block_cover_it(sizes):
     if math.prod(sizes.values()) == 1:
         return
     dim, (first, second) = halves(sizes)
@@ -206,7 +206,7 @@ def raising(monkeypatch):
 
 
 @pytest.mark.parametrize(("chunk", "store"), [(None, False), (5, True)])
-def test_a_case_that_raises_is_found(raising, chunk, store, tmp_path):
+def test_a_case_that_raises_has_the_status_crashed(raising, chunk, store, tmp_path):
     mass = xarray.DataArray([1e3, 2e3, 3e3, BAD], dims="M")
     slider, speeds = rs.SpringSlider(**FIG2, M=mass), V_LP[1:3]
     good = [0, 1, 2]
@@ -416,7 +416,7 @@ def test_lines_of_a_progress_report(monkeypatch, capsys):
         assert "30 of 40 cases, 7 failed" in capsys.readouterr().err
 
 
-def test_a_quiet_sweep_is_quiet(capfd):
+def test_a_sweep_with_progress_false_prints_nothing(capfd):
     sweep("stability", V_lp=V_LP, progress=False)
     assert capfd.readouterr() == ("", "")
 

@@ -61,7 +61,8 @@ def atlas(
     transition : bool
         Whether to add columns close to K_c, half as many as n.
     M : float
-        Only for a law with a speed among its parameters: eta at V_lp = 1, >= 0.
+        Mass, >= 0, in units in which it equals eta at V_lp = 1.  Only for a law with a speed among
+        its parameters.
     **parameters : float
         Parameters of the law in addition to a, b and Dc, in units in which a = sigma = Dc = 1.  So
         b2 means b2/a, and speeds are in the unit of V_lp, which you may choose.
@@ -78,10 +79,10 @@ def atlas(
         - Along ``eta``: ``K_c_over_K_c_qs``, ``lyapunov_1`` [V_lp/Dc] and ``type`` of the Hopf
           bifurcation at this eta.
         - Along ``eta``: ``K_fold_over_K_c_qs``, the largest stiffness at which a limit cycle
-          coexists with stable steady sliding.  It is NaN if none does, and for laws that are not of
-          one length.
-        - ``eta_bautin``, where the type changes.  It is NaN if the type does not change, and for
-          laws that are not of one length.
+          coexists with stable steady sliding.  It is NaN if none does, or if d theta/dt depends on
+          more than V theta/Dc.
+        - ``eta_bautin``, where the type changes.  It is NaN if the type does not change, or if d
+          theta/dt depends on more than V theta/Dc.
 
         Under a law with a speed among its parameters, ``V_lp`` replaces ``eta``, which becomes a
         coordinate along ``V_lp``.  K_c_qs is then the largest at any of these speeds.

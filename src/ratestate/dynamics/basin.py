@@ -67,6 +67,8 @@ def escape(slider, V_lp):
     Returns
     -------
     xarray.Dataset
+        In the sweep's dimensions:
+
         - ``step_up`` > 1 and ``step_down`` < 1: V_lp divided by the speed before the smallest
           step; inf and 0 if every step of up to 12 decades decays; 1 if steady sliding at V_lp is
           unstable (K <= K_c);
@@ -77,8 +79,8 @@ def escape(slider, V_lp):
           is unstable.  It is "irregular cycles" if any of the four disturbances leads to them;
         - ``amplitude`` (max - min of tau/sigma) and ``period`` [s] of the limit cycle reached;
         - ``unstable_amplitude``, ``unstable_period`` [s] and ``unstable_multiplier`` of the
-          unstable cycle that separates it from steady sliding; a distance from this cycle grows by
-          the multiplier in a period.  NaN if there is no such cycle.
+          unstable cycle that separates it from steady sliding.  In a period a small distance from
+          this cycle is multiplied by unstable_multiplier.  NaN if there is no such cycle.
 
     Raises
     ------
@@ -90,8 +92,8 @@ def escape(slider, V_lp):
 
     Notes
     -----
-    Steps come only from speeds at which steady sliding is stable: from below V_c or from above
-    V_c_upper, on the side of V_lp.
+    The speed before a step must also be one at which steady sliding is stable.  If V_lp is below
+    V_c, only speeds below V_c are tried.  If it is above V_c_upper, only speeds above V_c_upper.
 
     Examples
     --------

@@ -66,9 +66,9 @@ def hopf(slider, V_lp=None):
 
         The attribute ``parameter`` is "V_lp", or "K" if V_lp was given.
 
-        The type is "degenerate" if lyapunov_1 is 0 within its rounding error, 1e-14 of the terms
-        that sum to it.  This happens where the type changes (see `bautin`), and without mass under
-        the laws of eqs 2 and 3.  Then amplitude_coefficient is inf.
+        The type is "degenerate" if lyapunov_1 is 0 within its rounding error.  This happens where
+        the type changes (see `bautin`), and without mass under the laws of eqs 2 and 3.  Then
+        amplitude_coefficient is inf.
 
         If the type is "none" there is no bifurcation, and all other numbers are NaN except V_c and,
         if V_lp was given, K_c.  Without V_lp, V_c is inf if no speed is unstable (b <= a, K = inf,
@@ -194,8 +194,8 @@ def bautin(law, b_over_a):
     """Return the eta at which the Hopf bifurcation changes its type: the Bautin point.
 
     Under the aging law the bifurcation is subcritical for eta < 1/(3 + 2 sqrt(b/a + 3)), and
-    supercritical above.  Under the slip law it is supercritical at every eta > 0.  This eta
-    is taken at the bifurcation, where it equals K/K_c_qs - 1.
+    supercritical above.  Under the slip law it is supercritical at every eta > 0.  At the
+    bifurcation eta equals K/K_c_qs - 1.
 
     Parameters
     ----------

@@ -95,7 +95,7 @@ def _plain_call(result, name, call):
 def attribute_text(result, name, default=None):
     """Return an attribute that is a text, or the default if it is missing.
 
-    Raises ParameterError if it is missing and there is no default, and if it is not a text.
+    Raises ParameterError if it is missing and has no default, and if it is not a text.
     """
     value = result.attrs.get(name, default)
     if value is None:

@@ -109,8 +109,8 @@ def parameter(result, symbol):
     Returns
     -------
     float, DataArray or str
-        The value.  It is a DataArray if the parameter was swept, with the cases that the result
-        still has, or if it changes along a branch (``point``).
+        The value.  It is a DataArray if the parameter was swept, or changes along a branch
+        (``point``).  It has only the cases that the result has.
     """
     result = in_si(result)
     call = recorded(result)
@@ -181,7 +181,7 @@ def outside_domain(law, mu_min, reversal_margin):
 def domain_variables(law, batch, mu_min, reversal_margin):
     """Return ``mu_min``, ``reversal_margin`` and ``outside_domain``, name -> Variable.
 
-    mu_min, reversal_margin : (n,) smallest mu and tau/sigma + mu; NaN if there is no motion
+    mu_min, reversal_margin : (n,) smallest mu and tau/sigma + mu; NaN without a motion
     """
     code = outside_domain(law, mu_min, reversal_margin)
     values = {"mu_min": mu_min, "reversal_margin": reversal_margin, "outside_domain": code}

@@ -42,6 +42,8 @@ def stabilize(slider, V_lp, margin=1.1):
     Returns
     -------
     xarray.Dataset
+        In the dimensions of all named DataArrays:
+
         - ``K_stable``: least stiffness [Pa/m]; 0 if any stiffness suffices;
         - ``M_stable``: largest mass per area [kg/m^2]; inf if any mass will do, NaN if none will;
         - ``damping_stable``: least damping [Pa s/m]; 0 if none is needed;

@@ -51,8 +51,8 @@ def stability(slider, V_lp):
         - ``V_c``: critical velocity (eq. 10) [m/s], and ``V_c_upper``: speed above which sliding is
           stable again under some laws, else inf;
         - ``f_n``: natural frequency [Hz];
-        - ``eigenvalues`` [1/s], in the dimension ``mode``, least stable first: two more than the
-          law has states;
+        - ``eigenvalues`` [1/s], in the dimension ``mode``, least stable first.  Their number is the
+          number of the law's states plus 2;
         - ``growth_rate`` [1/s] and ``omega`` [rad/s]: real and imaginary part of the first
           eigenvalue; omega is 0 if this mode does not oscillate;
         - ``omega_c``: angular frequency at the Hopf bifurcation [rad/s], NaN if b < a;

@@ -34,18 +34,19 @@ class Verdict:
     V_lp : float
         Load-point velocity [m/s].
     regime : str
-        "steady", "slow stick-slip", "stick-slip" or "quasi-harmonic" (see
-        `ratestate.classify`): the motion reached from steady sliding at a tenth of V_lp.  If M = 0,
-        also "runaway", whose speed grows without bound in a finite time, and "conditionally
-        stable": the motion from that start runs away, but small disturbances of steady sliding
-        decay.  "unknown" if the search failed.
+        The motion reached from steady sliding at a tenth of V_lp: "steady", "slow stick-slip",
+        "stick-slip" or "quasi-harmonic" (see `ratestate.classify`).  If M = 0, it may also be
+        "runaway": the speed grows without bound in a finite time.  It is "conditionally stable" if
+        the motion from this start runs away, but small disturbances of steady sliding decay.  It is
+        "unknown" if the search failed.
     stable : bool
         Whether steady sliding is stable: K > K_c.
     K_c, K_c_qs : float
         Critical stiffness with inertia (eq. 6) and without [Pa/m]; negative if b < a.
     V_c, V_c_upper : float
-        Critical velocity [m/s] (eq. 10): 0 if always unstable, inf if never; and the speed above
-        which sliding is stable again, inf if none.
+        Critical velocity [m/s] (eq. 10), and the speed above which sliding is stable again.  V_c is
+        0 if sliding is unstable at any speed, and inf if it is stable at any speed.  V_c_upper is
+        inf if it does not exist.
     eta : float
         Dynamic instability coefficient [1] (eq. 7).
     f_n : float
@@ -53,21 +54,22 @@ class Verdict:
     growth_rate, omega : float
         Growth rate [1/s] and frequency [rad/s] of the least stable disturbance of steady sliding.
     period, frequency, amplitude, V_max, V_min : float or None
-        Measures of the limit cycle [s, Hz, 1, m/s, m/s]; None without one, but in steady sliding
-        amplitude is 0 and V_max = V_min = V_lp.
+        Measures of the limit cycle [s, Hz, 1, m/s, m/s], or None if there is no cycle.  In steady
+        sliding amplitude is 0 and V_max = V_min = V_lp.
     returns : int or None
         Stress maxima in a period; None without a cycle.
     mu_min, reversal_margin : float or None
-        Smallest mu and tau/sigma + mu of the motion reached: if one is negative, the motion leaves
-        the domain of the friction law.  None if the motion is not known, or runs away.
+        Smallest mu, and smallest tau/sigma + mu, of the motion reached.  If one is negative, the
+        motion leaves the domain of the friction law.  None if the motion is not known, or runs
+        away.
     multiplier : complex or None
-        Largest Floquet multiplier beside 1: the factor by which a disturbance changes in a cycle.
-        None without a cycle.
+        Largest Floquet multiplier except the trivial 1: the factor by which a disturbance changes
+        in a cycle.  None without a cycle.
     K_fold : float or None
         Stiffness [Pa/m] up to which a limit cycle coexists with stable sliding; None if no fold is
-        found, if sliding is unstable, and at K >= 1.02 K_c.
+        found, if sliding is unstable, or if K >= 1.02 K_c.
     sentences : tuple of str
-        The same as text, the regime first.
+        The verdict in words, a sentence each.  The first one names the regime.
     """
 
     slider: SpringSlider
@@ -107,7 +109,7 @@ class Verdict:
 
     @property
     def fade(self):
-        """Cycles in which a small disturbance of the cycle falls to a tenth; inf if it grows."""
+        """Number of cycles in which a small disturbance falls to a tenth; inf if it grows."""
         if self.multiplier is None:
             return None
         size = abs(self.multiplier)

@@ -1,4 +1,4 @@
-"""Lanes: many sliders side by side in one buffer; their steps and events.
+"""Lanes: many sliders side by side in one buffer; their steps, step sizes and events.
 
 The buffer is described in rows.py.  The functions run over whole vectors of lanes, idle lanes
 included.  So a slider goes through the same instructions, and gets the same bits, in any lane.

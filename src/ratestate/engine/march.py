@@ -1,4 +1,4 @@
-"""The march: a slider's motion from start to end, by segments of the loading."""
+"""The march: a slider's motion from start to end, with jumps of speed and normal stress."""
 
 import math
 

@@ -128,7 +128,7 @@ def drift_of(start, h, ramp):
 
 
 def with_drift(rest, drift, d):
-    """Return rest + d drift of each number, or rest if there is no drift."""
+    """Return rest + d drift of each number, or rest without drift."""
     return plus(rest, times(d, drift)) if drift else rest
 
 

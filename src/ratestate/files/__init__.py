@@ -49,7 +49,7 @@ def write(data, path):
     Raises
     ------
     ParameterError
-        If the ending is another, or another folder is in its place.
+        If the ending is none of these, or if `path` is a folder that `write` did not make.
     OSError
         If the file cannot be written.  A previous file stays as it was.
     """
@@ -74,8 +74,8 @@ def read(path):
     Raises
     ------
     ParameterError
-        If the file is missing, of another kind, or damaged.  A .zarr without the attribute
-        "sha256" is not checked, and numbers of a lost chunk are NaN.
+        If the file is missing, of another kind, or damaged.  A .zarr without the attribute "sha256"
+        is not checked: numbers of a lost chunk are NaN.
     StoreError
         If the store of a sweep is not finished or is damaged.  Also if a .zarr is in Zarr format 2,
         because such a file can run code of its author.

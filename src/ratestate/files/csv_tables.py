@@ -76,10 +76,10 @@ def _columns(name, variable):
 def laboratory_csv(data, dim, units=None):
     """Return variables along one dimension as CSV, with headings such as ``stress drop (MPa)``.
 
-    Headings are the variables' names.  Each quantity has one unit in all tables: speeds um/s,
-    stresses MPa, stiffness GPa/m, lengths um, displacements of the load point mm, times s.  The
-    next column is its standard error, the variable ``NAME_error``.  Flags are written as their
-    meanings.  The lines of a text are joined by " | ".  Missing values are empty.
+    A heading is the name of the variable without underscores.  Each quantity has one unit in all
+    tables: speeds um/s, stresses MPa, stiffness GPa/m, lengths um, displacements of the load point
+    mm, times s.  The next column is its standard error, the variable ``NAME_error``.  Flags are
+    written as their meanings.  The lines of a text are joined by " | ".  Missing values are empty.
 
     Parameters
     ----------
@@ -105,11 +105,11 @@ def laboratory_csv(data, dim, units=None):
     data, units = in_si(data), dict(units or {})
     names = [name for name, one in data.variables.items() if one.dims == (dim,)]
     if not names:
-        raise ParameterError(f"there is no variable along {dim!r}", one_of(data.sizes))
+        raise ParameterError(f"the result has no variable along {dim!r}", one_of(data.sizes))
     for name in units:
         if name not in names:
             raise ParameterError(
-                f"units: there is no variable {name} along {dim!r}", one_of(names, name)
+                f"units: the result has no variable {name} along {dim!r}", one_of(names, name)
             )
     columns: dict = {}
     for name in sorted(names, key=lambda name: name != dim):

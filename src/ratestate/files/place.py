@@ -80,7 +80,8 @@ def replace(path, write):
     path : Path
         The file or folder, which is not checked (see `checked_path`).
     write : callable
-        Function of a Path that makes the file or folder there.  Its OSErrors name `path`.
+        Function of a Path that makes the file or folder there.  If it raises an OSError, the
+        message names `path`.
 
     Returns
     -------

@@ -181,8 +181,8 @@ def joined(data):
         real, imag = data[name], data[f"{whole}_imag"]
         if real.dims != imag.dims:
             raise ParameterError(
-                f"{name} lies along {real.dims}, but {whole}_imag along {imag.dims}: they are "
-                "not the parts of one variable"
+                f"{name} lies along {real.dims}, but {whole}_imag along {imag.dims}, so they "
+                "cannot be joined into one complex variable"
             )
         values = np.empty(real.shape, complex)
         values.real, values.imag = real.values, imag.values  # infinite parts stay what they are

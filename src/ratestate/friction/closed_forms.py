@@ -223,8 +223,8 @@ def eigenvalues(V, *, a, b, Dc, sigma, K, M):
     -------
     complex array or DataArray
         Eigenvalues [1/s], least stable first, along a last dimension "mode" of size 3.  Modes that
-        decay infinitely fast are -inf: one if M = 0, two if K = inf, because V is
-        then imposed and only the state relaxes, at the rate V/Dc.
+        decay infinitely fast are -inf.  If M = 0 there is one.  If K = inf there are two, and the
+        third is -V/Dc, because only the state evolves.
     """
     inertia, kappa = eta(V, a=a, Dc=Dc, sigma=sigma, M=M), K * Dc / (a * sigma)
     margin = (K - K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M)) * Dc / (a * sigma)

@@ -40,10 +40,13 @@ class _thread_safe_property(cached_property):
 
 
 class FrictionLaw(LawFormula):
-    """A friction law: a name, and the formula of d theta/dt.
+    """The base class of friction laws.
 
-    Friction follows eq. 1, mu0 + a ln(V/V0) + sum_k b_k ln(V0 theta_k/D_k), unless the law has the
-    method `friction`.
+    A law of your own derives from this class.  It needs the attribute ``name`` and the method
+    ``evolution(self, V, theta, p)``, which returns d theta/dt (see `ratestate.register`).  Friction
+    follows eq. 1, mu0 + a ln(V/V0) + sum_k b_k ln(V0 theta_k/D_k), unless the law has the method
+    ``friction(self, V, theta, p)``.  All other methods and attributes follow from these formulas.
+    The solver uses them.
 
     ==========  ==================================================================
     V           slip rate [m/s], > 0, without sign
@@ -54,7 +57,7 @@ class FrictionLaw(LawFormula):
     """
 
     def mu(self, V, theta, ages, p, effects):
-        """Return mu; ages : theta_k/D_k; effects : b_k."""
+        """Return mu, given the ages theta_k/D_k and the effects b_k."""
         if self.overrides("friction"):
             return self.friction(V, theta[0] if len(theta) == 1 else theta, p)
         return eq_1(V, ages, p, effects)
@@ -92,13 +95,13 @@ class FrictionLaw(LawFormula):
         return Point(self, p, (None, v, *psi), w)
 
     def at_speed(self, v, psi, p):
-        """Return a `Point` at the speed V_ref exp(v); slopes by omega are slopes by v."""
+        """Return a `Point` at the speed V_ref exp(v), with omega = v."""
         return Point(self, p, (None, v, *psi), motion=self.motion_in_speed)
 
     def coefficients(self, V_ref, slider):
-        """Return the dimensionless coefficients p of other methods, a tuple: b_k/a first.
+        """Return the dimensionless coefficients p that other methods need, a tuple: b_k/a first.
 
-        slider : has the parameters [SI] as attributes, `symbols` and sigma among them
+        slider : an object whose attributes are sigma and the parameters in `symbols` [SI]
         """
         return self.equations.coefficients(V_ref, vars(slider))
 
@@ -117,7 +120,7 @@ class FrictionLaw(LawFormula):
         return self.equations.values(self.equations.law_constants[name], 0.0, (), p)[0]
 
     def evolution_effects(self, p):
-        """Return the slopes of eq. 1's friction by each psi, a tuple: b_k/a."""
+        """Return b_k/a, the derivatives of (mu of eq. 1)/a with respect to each psi (tuple)."""
         return tuple(self.equations.values(self.equations.evolution_effects, 0.0, (), p))
 
     def log_states(self, v, psi, p):
@@ -133,7 +136,7 @@ class FrictionLaw(LawFormula):
     # Extreme speeds
 
     def runs_away(self, v, psi, kappa, p):
-        """Return whether `runaway` holds; without this criterion, whether v > `LIMIT`."""
+        """Return whether `runaway` holds, or if the law has no such criterion, v > `LIMIT`."""
         condition = self.equations.runs_away
         if condition is None:
             return v > LIMIT
@@ -142,8 +145,8 @@ class FrictionLaw(LawFormula):
     def must_stop(self, v, p):
         """Return whether the solver must stop although the motion is not a runaway.
 
-        The slider has no mass and no damping.  It may turn back, but doubles cannot follow such
-        speeds unless the states evolve with slip alone.
+        The slider has no mass and no damping.  It may slow down again, but double precision cannot
+        represent its speed unless the states evolve with slip alone.
         """
         return v > LIMIT if self.heals_at_rest else False
 
@@ -151,7 +154,7 @@ class FrictionLaw(LawFormula):
 
     @property
     def slider_parameters(self):
-        """Return the parameters, mu0 or V0, that `coefficients` depend on, a tuple."""
+        """Return which of mu0 and V0 the `coefficients` depend on, a tuple."""
         return tuple(x for x in ("mu0", "V0") if x in self.equations.used_parameters)
 
     @property
@@ -226,7 +229,7 @@ class FrictionLaw(LawFormula):
     def series(self):
         """Return c2, c3, ... of h(z) = -z + c2 z^2 + c3 z^3 + ..., None for any other h.
 
-        h(z) is the rate of the state of a law of one length at v = 0 and psi = z.
+        h(z) is d psi/dT at v = 0 and psi = z, under a law of one length.
         """
         from .taylor import NoSeries, expand
 

@@ -94,7 +94,7 @@ class Edges(NamedTuple):
 def edges(law, p):
     """Return the `Edges` of steady sliding at V_ref, with coefficients p.
 
-    Under laws of one state z, and so kappa, is negative if there is no edge.
+    Under laws of one state z, and so kappa, is negative if no edge exists.
     """
     linear = linearisation(law, p)
     S_v, r, s = linear.direct[..., None], linear.evolution, linear.rates
@@ -160,7 +160,7 @@ def K_c(law, V, *, sigma, M, **values):
 
 
 def omega_c(law, V, *, sigma, M, **values):
-    """Return the angular frequency [rad/s] at K = K_c; NaN if there is no such K."""
+    """Return the angular frequency [rad/s] at K = K_c; NaN if no such K exists."""
     if law.one_length:
         return closed_forms.omega_c(V, **values)
     return V / values["Dc"] * critical(law, *_at_speed(law, V, sigma=sigma, M=M, **values)).omega

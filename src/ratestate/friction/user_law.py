@@ -126,7 +126,7 @@ def make_user_law(kind):
     if derived := sorted(x for x in own if hasattr(FrictionLaw, x) and x not in REPLACEABLE):
         raise ParameterError(
             (
-                f"law {name!r} has {derived[0]} of its own, the name of a quantity that is "
+                f"law {name!r} defines {derived[0]}, a name that ratestate uses for a quantity "
                 "derived from the formula"
             ),
             "Rename or remove it.",

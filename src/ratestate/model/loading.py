@@ -116,8 +116,8 @@ class Loading(LoadPoint):
             Mean speed [m/s], > 0.
         amplitude : float, str, pint.Quantity or DataArray
             Amplitude of the speed [m/s], from 0 to V_lp.
-        t_end : float, str or pint.Quantity
-            End of the history [s], > 0; the latest time of a DataArray.
+        t_end : float, str, pint.Quantity or DataArray
+            End of the history [s], > 0.  For a DataArray it is the latest value.
         period, frequency : float, str or pint.Quantity
             Period [s] or frequency [Hz], > 0, common to all cases.  Give one of them.
         """

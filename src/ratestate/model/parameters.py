@@ -165,7 +165,7 @@ def linspace(name, start, stop, n):
         Symbol of the quantity, as for `logspace`.
     start, stop : float, str or pint.Quantity
         First and last value, as for `logspace`, but they may be 0 or negative if the quantity
-        may.
+        allows it.
     n : int
         Number of values, at least 2.  Intermediate values are rounded to 15 digits.
 

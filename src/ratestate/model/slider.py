@@ -42,12 +42,13 @@ class SpringSlider(SliderParameters):
         Mass per area [kg/m^2], >= 0.  The default, 0, is the quasi-static limit, or the
         quasi-dynamic limit if there is damping.
     mu0 : float or DataArray
-        Friction coefficient in steady sliding at V0 [1], >= 0.  With cut-offs, it is the friction
-        coefficient at V >> V1 and theta << Dc/V2.  Under "kato-tullis" with V0 << V_cut, steady
-        friction at V0 is mu0 + 0.567 b, because x = ln(V0 theta/Dc) then solves x exp(x) = 1.
-        Under "flash-heating" it is lower than mu0 unless V0 << V_w.
+        Friction coefficient in steady sliding at V0 [1], >= 0.  With friction_form="cut-off", it is
+        the friction coefficient at V >> V1 and theta << Dc/V2.  Under "kato-tullis" with
+        V0 << V_cut, steady friction at V0 is mu0 + 0.567 b, because x = ln(V0 theta/Dc) then solves
+        x exp(x) = 1.  Under "flash-heating" it is lower than mu0 unless V0 << V_w.
     V0 : float, str or DataArray
-        Reference velocity [m/s], > 0.  With cut-offs, friction does not depend on it.
+        Reference velocity [m/s], > 0.  With friction_form="cut-off", friction does not depend on
+        it.
     law : str
         Friction law: a name in `ratestate.laws.catalogue` or a synonym, such as "Ruina" (eq. 3)
         or "Dieterich" (eq. 2), in upper or lower case.  The attribute is the law's name.
@@ -58,8 +59,8 @@ class SpringSlider(SliderParameters):
         finite at rest, and slip may reverse.  The law "flash-heating" uses "regularized".
     damping : float, str or DataArray
         Damping [Pa s/m], >= 0, by default 0: a dashpot parallel to friction, or radiation of shear
-        waves, G/(2 c_s).  A slider with damping and without mass is quasi-dynamic.  Its velocity
-        stays finite.
+        waves.  The latter is G/(2 c_s), with the shear modulus G and the shear-wave speed c_s.  A
+        slider with damping and without mass is quasi-dynamic.  Its velocity stays finite.
     alpha : float or DataArray
         Response of the state to normal stress [1], >= 0, by default 0 (Linker & Dieterich 1992):
         ln theta falls by alpha/b times the change of ln sigma.  It matters only if sigma varies: in
@@ -70,7 +71,7 @@ class SpringSlider(SliderParameters):
         K, M and damping may be values of the whole contact [N, N/m, kg, N s/m], and reports and
         figures show forces.
     **of_law : float, str or DataArray
-        Parameters that only this law or form of friction has, such as b2 and Dc2 of
+        Additional parameters of this law or form of friction, such as b2 and Dc2 of
         "two-state-slip", or V1 and V2 of "cut-off".  All of them are required.
 
     Raises

@@ -92,8 +92,8 @@ def to_si(symbol, value, *, label=None, bound=None):
     symbol : str
         Symbol of the quantity.
     value : float, str, pint.Quantity, DataArray or ndarray
-        The value; in SI if it is a number, or has no attribute ``units``.  The dimension of a 1-D
-        ndarray is called as the symbol.
+        The value; in SI if it is a number, or has no attribute ``units``.  A 1-D ndarray gets a
+        dimension with the name of the symbol.
     label : str, optional
         Name of the value in messages; by default the symbol.
     bound : {"", "> 0", ">= 0"}, optional
@@ -102,9 +102,8 @@ def to_si(symbol, value, *, label=None, bound=None):
     Returns
     -------
     float or DataArray
-        The value in SI.  The name of a DataArray is the symbol.  If its only dimension has this
-        name too, and has no coordinate or the given values as coordinate, the SI values become the
-        coordinate.
+        The value in SI.  The name of a DataArray is the symbol.  If it has only a dimension of this
+        name, its SI values also become the coordinate, unless that coordinate had other values.
 
     Raises
     ------

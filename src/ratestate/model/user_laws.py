@@ -47,9 +47,9 @@ def register(law):
     ------
     ParameterError
         If the file cannot be read or run, or does not contain exactly one law; if the name belongs
-        to a built-in law; if the name or unit of a parameter is not allowed; if the formula cannot
-        be run with expressions, or gives infinite values or NaN; if a state depends on another
-        state; if a state has no steady value, or several.
+        to a built-in law; if the name or unit of a parameter is not allowed; if the formula uses
+        ``if`` or a function that `ratestate.laws` does not have, or gives infinite values or NaN;
+        if a state depends on another state; if a state has no steady value, or several.
 
     Examples
     --------

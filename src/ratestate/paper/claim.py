@@ -57,7 +57,7 @@ def statements():
 
 
 def claim(name, law, measured):
-    """Return the `Claim` of this id; statements on the slip law only are omitted for the other.
+    """Return the `Claim` of this id, without the paper's value if it is for another law only.
 
     measured : dict of measured fields of `Claim`, and ``texts`` for the statement's braces
     """

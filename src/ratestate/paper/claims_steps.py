@@ -63,7 +63,7 @@ def on_steps(law):
     V_c = {
         "converged": (1e3 * slider.V_c,),
         "error": 1e3 * max(at_V_c / slope, 1e-15 * slider.V_c),
-        "error_from": "growth rate of the linear modes at V_c, over its slope",
+        "error_from": "growth rate of the linear modes at V_c, divided by its slope",
         **by_scheme(lambda od: 1e3 * critical_velocity(slider, od), slider, LARGEST, FINER),
     }
     measured = {

@@ -34,8 +34,8 @@ FIELDS = "id where claim paper covers unit scheme converged error error_from ver
 def claims(law="slip", measurements=MEASUREMENTS):
     """Check the claims of the paper, in its order, by all or some measurements; list of `Claim`.
 
-    The paper's text and numbers are about the slip law; its words are tested under the aging law
-    too, with which its supplement repeats runs.
+    The paper's numbers are for the slip law.  Its phrases are also tested under the aging law,
+    which its supplement uses.
     """
     law = law_name(law)
     measured = {name: row for measure in measurements for name, row in measure(law).items()}
@@ -44,7 +44,7 @@ def claims(law="slip", measurements=MEASUREMENTS):
 
 
 def number(value):
-    """Return a finite number as text: whole if it is and is below 1e6, else to 5 digits."""
+    """Return a finite number as text: an integer below 1e6 in full, others to 5 digits."""
     return f"{value:.0f}" if value == round(value) and abs(value) < 1e6 else f"{value:.5g}"
 
 

@@ -32,7 +32,7 @@ def compute(law):
 
 @styled
 def draw(data):
-    """Draw (a) tau/sigma against time, its end and the phase plane; (b) K_c and K."""
+    """Draw (a) tau/sigma against time, a close-up and the phase plane; (b) K_c and K."""
     start = plot.value_text("V", float(data.V_start), unit_of=1e-3)
     fig = figure(data, 6.2, "a b Dc sigma M K", f", stepped from {start}")
     top, bottom = fig.subplots(2, 1, height_ratios=[3.3, 1], sharex=True)

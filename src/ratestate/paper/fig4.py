@@ -14,7 +14,7 @@ NAMES = {"stick_slip": "stick-slip", "harmonic": "quasi-harmonic oscillation"}
 
 
 def compute(law):
-    """Compute limit cycles along ``K`` and ``V_lp``; two as traces along their own times."""
+    """Compute limit cycles along ``K`` and ``V_lp``; two of them also as curves in time."""
     data = sweep(law, FIG4_V_LP)
     for name, V_lp in FIG4_EXAMPLES.items():
         run = example(FIG4.replace(law=law), V_lp)

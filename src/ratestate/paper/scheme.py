@@ -68,7 +68,7 @@ def multiplier(slider, V_lp, omega_dt, euler):
         x, speed, psi = y.tolist()
         *new, found = step(state_of(slider, euler), x, speed, psi, w * h, numbers)
         if not found:
-            raise SolverError(f"the scheme has no step at omega dt = {omega_dt:g}. Reduce it.")
+            raise SolverError(f"the scheme fails at omega dt = {omega_dt:g}. Reduce omega dt.")
         return np.array(new)
 
     moves = PERTURBATION * np.diag([A, 1.0, 1.0])
@@ -91,9 +91,9 @@ def critical_velocity(slider, omega_dt, euler=None):
         if (multiplier(slider, V_lp, omega_dt, euler) < 1.0) != stable:
             raise SolverError(
                 f"the scheme's steady sliding is {'unstable' if stable else 'stable'} at "
-                f"V_lp = {V_lp:.4g} m/s = {V_lp / V_c:.3g} V_c, at omega dt = {omega_dt:g}: its "
+                f"V_lp = {V_lp:.4g} m/s = {V_lp / V_c:.3g} V_c if omega dt = {omega_dt:g}. So its "
                 f"critical velocity is not between {BRACKET[0]:g} and {BRACKET[1]:g} V_c. Reduce "
-                f"omega dt"
+                f"omega dt."
             )
     while high - low > 1e-7 * V_c:
         middle = 0.5 * (low + high)
@@ -119,7 +119,7 @@ def step_response(slider, V_start, V_lp, duration, omega_dt, euler=None, last=LA
 def last_cycle(run):
     """Return amplitude of tau/sigma [1] and frequency [Hz] of the last cycle in a run.
 
-    Between two steps tau is the cubic that has its slopes there.
+    Between two steps tau is a cubic with the slopes of tau at both ends.
     """
     t, tau = run.time.values, run.tau.values
     slope = parameter(run, "K") * (run.V_load - run.V).values

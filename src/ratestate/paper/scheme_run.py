@@ -75,9 +75,9 @@ def im2017(slider, loading, t_end, dt, *, V_start=None, euler=False):
     Raises
     ------
     ParameterError
-        An input that cannot be used.
+        If an input cannot be used.
     SolverError
-        Velocity and friction could not be solved together at the end of a step.
+        If velocity and friction could not be solved together at the end of a step.
 
     Notes
     -----

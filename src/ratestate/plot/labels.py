@@ -92,10 +92,10 @@ _MICRO = re.compile(r"(?<=\d )u(?=m|s|Hz)")
 
 
 def prefixed(unit, value):
-    """Return a unit in which a value is readable, such as mm/s, and its factor.
+    """Return the factor and text of a unit in which a value is readable, such as mm/s.
 
-    The value in this unit is 1 or more, if a prefix can do it.  Times from 2 hours, 2 days or 2
-    years on are in hours, days or years.  The factor is 1 if the unit takes no prefix, or if no
+    The value in this unit is at least 1, if there is such a prefix.  Times from 2 hours, 2 days or
+    2 years on are in hours, days or years.  The factor is 1 if the unit takes no prefix, or if no
     prefix makes the value readable.
 
     Parameters
@@ -204,7 +204,7 @@ def value_text(symbol, value, unit_of=None, area=None):
     Returns
     -------
     str
-        Text such as ``$V_{lp}$ = 3.2 mm/s``.  inf is written as its sign.
+        Text such as ``$V_{lp}$ = 3.2 mm/s``.  Infinity is written as its symbol.
     """
     return f"{label(symbol)} = {with_unit(symbol, value, unit_of, area)}"
 

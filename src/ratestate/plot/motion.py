@@ -19,7 +19,7 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
     """Draw tau/sigma in black and friction mu in red dashes against time; or compare runs.
 
     Without mass (M = 0) both are the same, and one line is drawn.  Several runs have one line each,
-    tau/sigma, and a legend.  Its colour depends on the law, or is different for each run.
+    tau/sigma, and a legend.  Lines of one law have one colour, or each run has its own.
 
     Parameters
     ----------
@@ -99,7 +99,9 @@ def force_axis(run, ax):
 
 
 def phase(run, ax, *, unit_of=None, **style):
-    """Draw slip velocity against tau/sigma, and a cross at steady sliding at the last speed > 0.
+    """Draw slip velocity against tau/sigma, with a cross at steady sliding.
+
+    The cross marks steady sliding at the last load-point speed > 0.
 
     Parameters
     ----------
@@ -108,7 +110,8 @@ def phase(run, ax, *, unit_of=None, **style):
     ax : matplotlib.axes.Axes
         Axes to draw into.
     unit_of : float, optional
-        Speed [m/s] that sets the unit, such as another run's; by default the largest.
+        Speed [m/s] for which the unit is chosen, for example to give two runs the same unit.  By
+        default it is the largest speed.
     **style
         Style of the line, as for matplotlib.
 

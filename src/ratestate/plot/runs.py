@@ -43,7 +43,7 @@ def named_runs(runs):
     else:
         names, parts = _along_a_dimension(_checked(runs))
     if not parts:
-        raise ParameterError("there are no runs to draw", "Give at least one result of simulate.")
+        raise ParameterError("the list of runs is empty", "Give at least one result of simulate.")
     parts = [_with_own_time(_checked(run)) for run in parts]
     for run in parts:
         if dims := _sweep_dims(run):

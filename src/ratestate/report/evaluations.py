@@ -35,7 +35,7 @@ def events(catalogue: xarray.Dataset) -> Blocks:
     count = catalogue.sizes["event"]
     if not count:
         text = (
-            "no stick-slip: no falls of the stress are beyond its noise, and regular or much "
+            "no stick-slip: the stress has no falls that exceed its noise and are regular or much "
             "faster than its rises"
         )
         return [Title(text)]
@@ -51,8 +51,8 @@ def events(catalogue: xarray.Dataset) -> Blocks:
         Title(f"{count} event{'' if count == 1 else 's'}"),
         table,
         *_messages(catalogue),
-        f"Stress drops below {threshold} are not found. Events between which the stress rises by "
-        "less are one fall.",
+        f"Stress drops below {threshold} are not found. If the stress rises by less between two "
+        "events, they count as one.",
         _stiffness(catalogue),
         *_trends(catalogue),
     ]

@@ -126,7 +126,7 @@ def outside_lines(
     why = ", ".join(f"{way} in {count:,}" for way, count in counts.items() if count)
     first = (
         f"{number:,} of {code.size:,} {cases} leave the domain of the friction law, "
-        f"which knows forward slip only: {why}"
+        f"which describes forward slip only: {why}"
     )
     values = [
         result[axis].values if axis in result.variables else np.arange(size)

@@ -143,7 +143,8 @@ class Report:
     blocks : iterable of str and TextTable
         Sentences, tables and titles.
     warnings : iterable of str
-        Sentences that Markdown has first, and text last, where a reader of a terminal looks.
+        Warnings.  Markdown begins with them.  Plain text ends with them, because a terminal shows
+        the end of long output.
     """
 
     def __init__(self, blocks: Iterable[str | TextTable], warnings: Iterable[str] = ()) -> None:

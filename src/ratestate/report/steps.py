@@ -191,15 +191,15 @@ def warnings_by_text(part):
 
 
 def _on_one_set(part):
-    """Yield a sentence on whether one set of parameters serves all steps."""
+    """Yield a sentence on whether one set of parameters fits all steps."""
     p, degrees = float(part["shared_p_value"]), int(part["shared_degrees"])
     if not np.isfinite(p):
         return
-    verdict = "serves" if p >= IMPROBABLE else "does not serve"
+    verdict = "fits" if p >= IMPROBABLE else "does not fit"
     rise = short(float(part["shared_deviance"]))
     yield (
-        f"one set of parameters {verdict} all steps: chi-square is larger by {rise} for {degrees} "
-        f"parameters fewer ({_probability(p)})."
+        f"one set of parameters {verdict} all steps: chi-square is larger by {rise} with {degrees} "
+        f"fewer parameters ({_probability(p)})."
     )
 
 

@@ -20,7 +20,8 @@
     sinusoid = { amplitude = "0.05 mm/s", period = "2 s" }  # or frequency; about V_lp
     # in place of all these, a recorded history: two columns of a file in the same folder,
     file = "record.csv"
-    columns = ["time [s]", "V_lp [um/s]"]  # or their numbers; units = ["s", "um/s"] go first
+    columns = ["time [s]", "V_lp [um/s]"]  # or their numbers
+    units = ["s", "um/s"]                  # optional, in place of the units in the titles
     # or two lists
     t = [0, 1, 1, "5 s"]
     V_lp = ["1 um/s", "1 um/s", "3 um/s", 0]

@@ -43,8 +43,9 @@ def toml(scenario: Scenario) -> str:
 
     Notes
     -----
-    A law that was registered from a file is named with the hash of its source, and its file by its
-    whole path.  Values of a magnitude that `load` refuses are written nevertheless.
+    For a law that was registered from a file, the text has the absolute path of the file, and the
+    name of the law includes the hash of its formula.  Unusually large or small values are written
+    although `load` refuses them.
     """
     function, settings = scenario.function, dict(scenario.settings)
     slider = scenario.slider.parameters

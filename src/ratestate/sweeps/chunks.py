@@ -52,7 +52,7 @@ class Chunks:
         return math.prod(self.counts)
 
     def index(self, i):
-        """Return the index of chunk i along each dimension; ValueError if there is no chunk i."""
+        """Return the index of chunk i along each dimension; ValueError without chunk i."""
         return tuple(map(int, np.unravel_index(i, self.counts)))
 
     def slices(self, i):

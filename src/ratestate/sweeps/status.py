@@ -64,7 +64,7 @@ def failures(data, most=20):
     """Return failed cases of a sweep's result, and their number: (list of the first `most`, int).
 
     Each case is (labels, name of the status, message).  Labels are a dict from dimension to label,
-    or to index if there is no label.
+    or to index if labels are missing.
     """
     status = data["status"].values
     where = np.argwhere((status >= 0) & ~np.isin(status, ANSWERED))

@@ -105,7 +105,7 @@ def test_agrees_with_limit_cycle(parameter, law):
 
 
 @SIDES
-def test_ends_and_specials(parameter, law):
+def test_a_branch_has_its_ends_folds_and_hopf_point(parameter, law):
     """Between the end given, bit for bit, and the Hopf point, which is that of `hopf`."""
     branch, slider, V_lp = across(parameter, law)
     start, stop = ACROSS[parameter][:2]
@@ -239,7 +239,7 @@ BAD = {
     "no slider": (({"a": 1}, "K", 1e-3, 1e-2), {}, ["slider", "SpringSlider"]),
     "no V_lp": ((FIG2, "K", 1e9, 1e8), {}, ["V_lp is missing", "at which K changes"]),
     "V_lp twice": ((FIG2, "V_lp", 1e-3, 1e-2), {"V_lp": 1e-3}, ["Leave V_lp= out"]),
-    "start = stop": ((FIG2, "V_lp", "10 mm/s", 1e-2), {}, ["start = 0.01 is stop too"]),
+    "start = stop": ((FIG2, "V_lp", "10 mm/s", 1e-2), {}, ["start = 0.01 equals stop"]),
     "start = 0": ((FIG2, "V_lp", 0, 1e-2), {}, ["start = 0 m/s"]),
     "start unit": ((FIG2, "K", "1 GPa", 1e8), {"V_lp": 1e-2}, ["start = '1 GPa' is a stress"]),
     "start array": ((FIG2, "V_lp", xr.DataArray([1e-3], dims="q"), 1), {}, ["start is an array"]),
@@ -252,8 +252,8 @@ BAD = {
     "b = a": ((FIG2.replace(b=0.003), "V_lp", 1e-2, 1e-3), {}, ["b <= a (b/a = 1)", "b > a"]),
     "b to a": ((FIG2, "b", 0.001, 0.003), {"V_lp": 1e-2}, ["b <= a"]),
     "b from < 0": ((FIG2, "b", -0.001, 0.006), {"V_lp": 1e-2}, ["start = -0.001", "0 < start"]),
-    "M = 0": ((FIG2.replace(M=0), "V_lp", 1e-2, 1e-3), {}, ["M = 0", "is of sliders with mass"]),
-    "M to 0": ((FIG2, "M", 1e3, 0), {"V_lp": 1e-2}, ["stop = 0.0", "is of sliders with mass"]),
+    "M = 0": ((FIG2.replace(M=0), "V_lp", 1e-2, 1e-3), {}, ["M = 0", "a branch needs mass"]),
+    "M to 0": ((FIG2, "M", 1e3, 0), {"V_lp": 1e-2}, ["stop = 0.0", "a branch needs mass"]),
     "K = inf": ((FIG2.replace(K=np.inf), "V_lp", 1e-2, 1e-3), {}, ["K = inf", "a spring"]),
     "K to inf": ((FIG2, "K", 1e9, np.inf), {"V_lp": 1e-2}, ["stop = inf", "0 < stop < inf"]),
     "steady throughout": (
@@ -273,7 +273,7 @@ def test_bad_input(given, settings, parts):
         assert part in str(caught.value)
 
 
-def test_stop_out_of_reach(monkeypatch):
+def test_a_branch_that_cannot_reach_stop_keeps_its_part(monkeypatch):
     """At Dc = 1e-19 m double precision ends; what was found comes along."""
     names = list(strip().data_vars)  # cached for other tests: with the steps as they are
     # shorter steps creep on through the rounding errors
@@ -291,7 +291,7 @@ def test_stop_out_of_reach(monkeypatch):
 
 
 def test_no_single_cycle_at_start():
-    with pytest.raises(NotConverged, match=r"at `start`.* 2 returns \(period doubling") as caught:
+    with pytest.raises(NotConverged, match=r"at `start`.* 2 stress maxima \(period") as caught:
         continue_cycle(WILD, "V_lp", 5e-3, 1e-2)
     assert caught.value.best is None
 

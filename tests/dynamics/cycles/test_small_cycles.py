@@ -106,7 +106,7 @@ def precise_cycle(law, r, beta, eta):
         ("slip", 1e-5, 2.0, 1e-5),
     ],
 )
-def test_keeps_all_digits_however_small(law, r, beta, eta):
+def test_small_cycles_keep_all_digits_at_any_size(law, r, beta, eta):
     margin, *theirs = precise_cycle(law, r, beta, eta)
     cycle = small_cycle(law, (beta - 1) * (1 + eta) + margin, beta, eta, margin)
     assert curvature(law, beta, eta)[0] * r**2 == pytest.approx(margin, rel=1e-8, abs=0)

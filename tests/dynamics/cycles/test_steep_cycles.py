@@ -96,7 +96,7 @@ def test_the_branch_ends_at_the_very_parameter(branch):
     assert true_error(end, *CYCLES["hardly attracts"][1]) <= end.error < 1e-6
 
 
-def test_point_and_parameter_belong_together(branch):
+def test_each_point_of_a_steep_branch_has_the_cycle_of_its_parameter(branch):
     """Each point, against the cycle that is found anew at its stiffness, where that is certain.
 
     K changes by 1.5e-6 of itself over all of these points, and the amplitude 48-fold.
@@ -114,7 +114,7 @@ def test_point_and_parameter_belong_together(branch):
     assert looked_at >= 3
 
 
-def test_the_error_carries_the_slope(branch):
+def test_the_error_is_at_least_slope_times_rounding(branch):
     """Half of K's last digit moves the amplitude by slope * 2**-53: no less can be claimed."""
     K, A = branch.K.values[1:], branch.amplitude.values[1:]
     slope = np.abs(np.gradient(np.log(A), np.log(K)))
@@ -126,7 +126,7 @@ def test_the_error_carries_the_slope(branch):
 
 
 @pytest.mark.parametrize("parameter", ["V_lp", "b"])
-def test_along_other_parameters(parameter):
+def test_the_error_is_not_inflated_along_V_lp_or_b(parameter):
     """A stick-slip branch, which is not steep: the error is not inflated, and K's own slope is."""
     slider, exact = CYCLES["stick-slip"]
     start = {"V_lp": 1.5e-5, "b": 0.0078}[parameter]

@@ -77,7 +77,7 @@ def test_extremes_of_friction_in_cycles(law):
 @pytest.mark.parametrize(
     ("name", "flag", "share"), [("mu_min", 1, 1.0), ("reversal_margin", 2, 0.5)]
 )
-def test_both_sides_of_the_edge(law, name, flag, share):
+def test_outside_domain_changes_at_zero_mu_min_or_reversal_margin(law, name, flag, share):
     """mu0 moves tau and mu alike, and the motion not at all."""
     cycle = cycles(law).sel(V_lp=10.0)
     for off in (-1e-9, 1e-9):

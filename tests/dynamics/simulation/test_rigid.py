@@ -10,7 +10,7 @@ import ratestate as rs
 V0 = 1e-6
 
 
-def test_many_lines_add_no_error():
+def test_errors_do_not_accumulate_over_many_segments_of_a_sinusoid():
     """The last periods of many repeat: no drift over 10^5 lines."""
     loading = rs.Loading.sinusoid(1e-4, 5e-5, t_end=40.0, period=0.1)
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=np.inf, M=0.0)
@@ -21,7 +21,7 @@ def test_many_lines_add_no_error():
 
 
 @pytest.mark.parametrize("steps", [1, 150])
-def test_both_sides_of_a_jump_are_stored(steps):
+def test_speeds_before_and_after_a_jump_are_stored(steps):
     """However many jumps; a ramp has none."""
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K=np.inf)
     jumps = 1.0 + np.arange(steps)
@@ -59,7 +59,7 @@ def test_stress_has_both_sides_of_a_kink_if_there_is_mass(M):
 
 
 @pytest.mark.parametrize("form", ["log", "regularized"])
-def test_any_lane_and_any_company_gives_the_same_bits(form):
+def test_rigid_sliders_have_the_same_bits_alone_and_among_others(form):
     """Beside sliders on springs, and alone."""
     K = xr.DataArray([1e9, np.inf, 2e9, np.inf, np.inf], dims="K")
     Dc = xr.DataArray(np.geomspace(1e-6, 1e-4, 9), dims="Dc")

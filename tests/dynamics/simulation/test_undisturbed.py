@@ -33,7 +33,7 @@ DISTURBED = {
 
 
 @pytest.mark.parametrize("case", UNDISTURBED)
-def test_a_run_that_stays_says_so(case):
+def test_an_undisturbed_run_on_unstable_sliding_warns(case):
     loading, arguments = UNDISTURBED[case]
     with pytest.warns(RunWarning) as said:
         run = rs.simulate(SLIDER, loading, 2.0, **arguments)
@@ -49,7 +49,7 @@ def test_a_run_that_stays_says_so(case):
 
 
 @pytest.mark.parametrize("case", DISTURBED)
-def test_any_disturbance_is_enough(case):
+def test_a_disturbed_run_does_not_warn(case):
     loading, arguments = DISTURBED[case]
     rs.simulate(SLIDER, loading, 2.0, **arguments)  # warnings are errors
 

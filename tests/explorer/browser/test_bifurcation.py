@@ -100,7 +100,7 @@ def test_the_diagram_has_the_slider_on_it_and_is_clicked(show):
     )
 
 
-def test_tabs_are_tabs(show):
+def test_the_tabs_are_accessible_and_switch_panels(show):
     shown = show()
     state = """() => ['map', 'branch'].map(name => {
         const [tab, panel] = [`tab-${name}`, name].map(id => document.getElementById(id));

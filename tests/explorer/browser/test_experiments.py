@@ -156,7 +156,7 @@ def test_slide_hold_slide_slips_enough_between_longer_and_longer_holds(show):
         assert 20.0 < slipped / 10e-6 < 40.0
 
 
-def test_the_list_is_edited(show):
+def test_the_list_of_segments_can_be_edited(show):
     shown = show(f"{STEADY}&protocol=0 m/s for 10 s; 1 um/s for 20 s")
     edit(shown, "speed of segment 2", "2e-6")
     shown.wait()

@@ -84,7 +84,7 @@ def test_nothing_is_clipped_and_no_width_scrolls_sideways(show):
 
 
 @pytest.mark.parametrize(("width", "height"), [(390, 844), (1024, 768), (1920, 1080)])
-def test_nothing_moves_but_what_is_moved(show, width, height):
+def test_the_layout_does_not_shift_while_a_slider_moves(show, width, height):
     """While a slider goes through the regimes, with their verdicts, notes and legends."""
     shown = show("V_from=90 um/s", viewport={"width": width, "height": height})
     shown.watch_shifts()

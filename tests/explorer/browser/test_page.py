@@ -7,7 +7,7 @@ import ratestate as rs
 from ratestate.paper.parameters import FIG4
 
 
-def test_it_opens_with_a_verdict(show):
+def test_the_page_opens_with_a_verdict(show):
     shown = show()
     cycle = rs.limit_cycle(FIG4, 1e-4)
     assert shown.text("#headline").startswith("Stick-slip, a cycle every 2.385 s")

@@ -112,7 +112,7 @@ def test_a_short_curve_is_played_for_six_seconds_and_a_jump_in_no_time(modules):
         (1 / 32e6, "slowed 3.2\u00b710\u2077 times"),
     ],
 )
-def test_the_pace_in_words(modules, factor, text):
+def test_the_pace_of_playback_is_described_in_words(modules, factor, text):
     words = "async (factor) => (await import('/js/motion/pace.js')).paceText(factor)"
     assert modules.evaluate(words, factor) == text
 
@@ -214,7 +214,7 @@ def test_a_run_is_played_frame_by_frame(show):
     assert time_told(shown) == told
 
 
-def test_it_plays_again_unless_motion_is_minded(show):
+def test_playback_repeats_unless_reduced_motion_is_preferred(show):
     shown = show()
     page = shown.page
     for reduced, ends in (("no-preference", False), ("reduce", True)):

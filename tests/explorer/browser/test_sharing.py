@@ -127,7 +127,7 @@ def framed(browser, folder, html):
         return frame.inner_text("#headline")
 
 
-def test_only_that_of_a_notebook_may_be_framed(browser, server, tmp_path):
+def test_only_a_page_opened_by_a_notebook_may_be_framed(browser, server, tmp_path):
     page = rs.explore(FIG2, "3.2 mm/s")
     try:
         html = page._repr_html_()

@@ -92,7 +92,7 @@ def test_all_are_as_loud_as_their_peaks_allow(modules, shape, peak, size):
 
 
 @pytest.mark.parametrize("pitch", [30.0, 391.7, 7990.0])
-def test_a_voice_has_its_pitch(modules, pitch):
+def test_the_sound_has_the_pitch_of_the_cycle(modules, pitch):
     """Of a stick-slip, whose points are where it moves."""
     phase = np.linspace(0, 1, 400) ** 3
     V = 1e-6 * np.exp(10.0 * np.exp(-(((phase - 0.3) / 0.1) ** 2)))

@@ -111,7 +111,7 @@ def stress_step(t, sigma, *more):
 #: under the aging law, at 0.5 mm/s K_c is 607.5 MPa/m
 ABOVE_K_C = [('"900 MPa/m"', '"608.1 MPa/m"\nlaw = "aging"'), ("3.2 mm/s", "500 um/s")]
 UNDISTURBED = [("900", "500"), ("0.1 mm/s", "3.2 mm/s"), ("steps", "# steps")]
-ABOUT = "What the slider does in the long run at V_lp = 100 um/s"
+ABOUT = "Motion in the long run at V_lp = 100 um/s"
 NOT_REACHED = "This run has not reached this motion"
 #: what is asked -> changes of LAB, command, what is said of it, and what is not
 SAID = {
@@ -178,7 +178,7 @@ SAID = {
         under_stress(stress_step("50 ms", "4 MPa")),
         ["run"],
         [
-            f"{ABOUT} and the last normal stress, sigma = 4 MPa, started at a tenth",
+            f"{ABOUT} and the last normal stress, sigma = 4 MPa, after a start at a tenth",
             "Stick-slip, a cycle",
             "K = 900 MPa/m is 0.7498 times K_c = ",
         ],
@@ -187,7 +187,7 @@ SAID = {
     "the same stress in the end": (
         under_stress(stress_step("50 ms", "4 MPa", ("59 s", "2 MPa"))),
         ["run"],
-        [f"{ABOUT}, started at a tenth of that speed (a run may start otherwise): Steady"],
+        [f"{ABOUT}, after a start at a tenth of that speed (a run may start otherwise): Steady"],
         ["the last normal stress"],
     ),
     # runs that end elsewhere
@@ -281,8 +281,8 @@ def test_the_verdict_is_printed(command, lab):
     expected = verdict(SLIDER, 3.2e-3)
     text = call(command, lab).stdout.rstrip("\n")
     about = (
-        "What the slider does in the long run at V_lp = 3.2 mm/s, started at a tenth of that speed "
-        "(a run may start otherwise)"
+        "Motion in the long run at V_lp = 3.2 mm/s, after a start at a tenth of that speed (a "
+        "run may start otherwise)"
     )
     if command == "run":
         assert f"\n\n{about}:\n{expected.text}\nThis run has not reached this motion: the" in text
@@ -337,7 +337,7 @@ def test_a_sweep_is_announced_in_one_line(command, lab):
     result = call(command, lab)
     assert (result.exit_code, result.stderr) == (
         0,
-        "the [sweep] of the file is swept, 6 cases. For the single slider take [sweep] out. To "
+        "computing the [sweep] of the file, 6 cases. For a single case remove [sweep]. To "
         "keep the cases in a store use ratestate sweep.\n",
     )
 
@@ -375,7 +375,7 @@ def test_a_stable_slider_without_mass_and_without_a_cycle(lab):
     assert result.stderr.startswith(f"error: no cycle is found.\n{verdict} large one")
 
 
-def test_a_cycle_that_is_none_and_limits_that_are_infinite(lab):
+def test_json_has_null_for_a_missing_cycle_and_infinite_limits(lab):
     lab.write_text(LAB.replace("3.2 mm/s", "1 mm/s").replace("t_end", "rtol = 1e-5\nt_end"))
     succeed("cycle", lab)
     found = parse_strict(call("cycle", lab, "--json").stdout)
@@ -422,7 +422,7 @@ def test_a_sweep_in_memory(lab):
 STABLE = LAB.replace('"3.2 mm/s"', '"1 mm/s"')
 
 
-def test_a_response(lab):
+def test_the_response_command_prints_numbers_and_tables(lab):
     """Its numbers, and its tables, in which changes are relative and phases in degrees."""
     lab.write_text(STABLE)
     arguments = [lab, "--frequency", "50 Hz, 0.1 kHz", "--frequency", "200 Hz"]
@@ -471,7 +471,7 @@ def test_the_frequencies_of_a_response(lab):
     axis = 'function = "frequency_response"\nfrequency = [5, "8 Hz"]\nK = [9e8, 2e9, 3e9]\n'
     lab.write_text(f"{STABLE}[sweep]\n{axis}")
     result = call("response", lab)
-    assert "is swept, 3 cases" in result.stderr
+    assert "computing the [sweep] of the file, 3 cases" in result.stderr
     title = "6 cases of frequency_response over K (3 from 900 MPa/m to 3 GPa/m), frequency (2 from"
     assert title in result.stdout
 
@@ -524,7 +524,7 @@ def test_a_sweep_too_large_for_memory_is_refused_at_once(command, function, lab,
     result = call(command, lab)
     assert (result.exit_code, result.stdout) == (2, ""), result.stderr
     _, error = result.stderr.splitlines()
-    assert error.startswith("error: the results of 961,000,000 cases take 1")
+    assert error.startswith("error: the results of 961,000,000 cases need 1")
     assert "Give a store (ratestate sweep FILE --store x.zarr)." in result.stderr
 
 
@@ -563,7 +563,7 @@ def test_a_bug_is_told_and_its_traceback_shown_if_asked(lab, monkeypatch):
 @pytest.mark.parametrize(
     ("error", "code", "message"),
     [
-        (KeyboardInterrupt(), 130, "interrupted: no file is half written\n"),
+        (KeyboardInterrupt(), 130, "interrupted: no unfinished file is kept\n"),
         (MemoryError(), 2, "error: not enough memory. Ask for less at a time.\n"),
         (rs.SolverError("stopped at t = 3 s"), 2, "error: stopped at t = 3 s\n"),
     ],
@@ -583,7 +583,7 @@ LEFT = {subprocess.PIPE: ["init", "--list"], subprocess.STDOUT: ["stability", "l
 
 
 @pytest.mark.parametrize("errors", LEFT)
-def test_a_reader_that_leaves_ends_it_quietly(errors, lab):
+def test_a_closed_output_pipe_ends_the_command_without_an_error(errors, lab):
     command = [sys.executable, "-c", "from ratestate.interfaces.cli import main; main()"]
     arguments = [
         *LEFT[errors],

@@ -60,7 +60,7 @@ def folder(tmp_path_factory):
     return folder, done
 
 
-def test_it_prints_both_laws_and_what_was_found(folder):
+def test_fit_prints_the_steps_found_and_the_estimates_under_both_laws(folder):
     path, done = folder
     result = files.read(path / "made" / "fit.nc")
     assert "velocity step 1 -> 10 um/s at 100.0 s" in done.stdout
@@ -70,7 +70,7 @@ def test_it_prints_both_laws_and_what_was_found(folder):
         assert with_error(1e6 * float(one.Dc), error) in done.stdout
     assert result.attrs["comparison"].split(":")[0] in " ".join(done.stdout.split())
     assert "fit of step.txt, slip and aging laws ..." in done.stderr
-    assert "note: sigma = 20 MPa is the median of the record's, for none was given" in done.stdout
+    assert "note: sigma = 20 MPa is the median of the record, because none was given" in done.stdout
     assert float(result.Dc.sel(law="slip")) == pytest.approx(SLIDER.Dc, rel=0.2)
     assert result.attrs["source"] == "step.txt"
 

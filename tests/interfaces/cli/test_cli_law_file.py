@@ -92,7 +92,7 @@ def test_figures_and_the_atlas_are_of_the_law_of_the_file(mine, law_file, monkey
     assert call("atlas", *given).exit_code == 0
     assert call("atlas", *given, "--law", "mine").exit_code == 0
     other = refuse("atlas", *given, "--law", "prz")
-    said = f"'prz': the law of mine.py is '{mine}'. Name it too, or leave --law out"
+    said = f"'prz': the law of mine.py is '{mine}'. Add it to --law, or leave --law out"
     assert said in words(other.stderr)
     settings = {"b_over_a": 2.0, "n": 200, "m": 1.5}
     assert asked == [plain, (mine, settings), (mine, settings)]

@@ -40,7 +40,7 @@ def test_options_of_python_stand_beside_those_of_the_command(text, options):
         assert re.search(rf"\(command line: .*--{name.replace('_', '-')}\b", text), name
 
 
-def test_there_are_such_sentences():
+def test_more_than_25_messages_name_options():
     assert len([*sentences()]) > 25
 
 

@@ -12,7 +12,7 @@ from ratestate.paper.parameters import FIG2
 NEEDED = ("fastapi", "starlette", "uvicorn", "websockets")
 
 
-def test_a_simulation_needs_none_of_it():
+def test_ratestate_runs_without_the_packages_of_the_explorer():
     code = f"""
 import importlib, pkgutil, sys
 sys.modules.update(dict.fromkeys({NEEDED}))

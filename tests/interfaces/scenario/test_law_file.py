@@ -85,7 +85,7 @@ def test_another_law_beside_the_file_is_refused(write):
         (line,) = problems(write(law))
         assert line.startswith(f"[{table}] law: 'aging' is not the law in 'mine.py'.")
     (line,) = problems(write(("law_file", 'law = "mine@12345678"\nlaw_file')))
-    assert "[slider] law: 'mine@12345678' is not the law in 'mine.py', which is mine@" in line
+    assert "[slider] law: 'mine@12345678' is not the law in 'mine.py'. The file has cha" in line
 
 
 def test_a_file_given_comes_before_that_of_the_scenario(write, law_file):
@@ -99,9 +99,7 @@ def test_a_file_given_comes_before_that_of_the_scenario(write, law_file):
 def test_the_code_of_a_text_is_not_run(write, law_file, monkeypatch, tmp_path):
     """Nor that of a law that is known by its hash."""
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(
-        ParameterError, match=r"'mine.py' is code, which is run only for a scenario"
-    ):
+    with pytest.raises(ParameterError, match=r"'mine.py' is a file of code, which is run only if"):
         loads(TEXT)
     assert [law for law in LAWS if "@" in law] == []
     slider = loads(TEXT, law_file="mine.py").slider

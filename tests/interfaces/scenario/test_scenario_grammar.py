@@ -117,7 +117,7 @@ RECORD = Loading.series([0, 1, 1, 2.5], [1e-6, 1e-6, 3e-6, 3e-6])
         ),
     ],
 )
-def test_records(read, folder, name, content, more):
+def test_a_recorded_loading_is_read_from_files_of_many_forms(read, folder, name, content, more):
     (folder / name).write_text(content, newline="")
     table = f'[loading]\nfile = "{name}"\n{more}\n[run]\nt_end = 2'
     assert same(read(table).settings["loading"], RECORD)
@@ -199,7 +199,7 @@ def test_a_wrong_start_stands_beside_other_problems(problems):
         assert sum(line.startswith("[run] initial: initial V, theta and") for line in lines) == 1
 
 
-def test_only_what_is_near_is_proposed(problems):
+def test_only_similar_names_are_suggested(problems):
     (line,) = problems(f"[loading]\nV_lp = 1\ntitle = 'x'\n{RUN}")
     assert "Did you mean" not in line
 
@@ -265,7 +265,7 @@ OUTPUTS = [
     ("file = 3", "file: 3 is not text"),
     ('file = "x.png"', "file: 'x.png' has an unsupported ending"),
     ('plot = "x.svg"', "plot: 'x.svg' has an unsupported ending"),
-    ('plot = "no/where.png"', "plot: 'no/where.png': there is no such folder"),
+    ('plot = "no/where.png"', "plot: 'no/where.png' is in a folder that does"),
     ('plot = "x\\ny.png"', "plot: 'x\\ny.png' cannot be the name of a file"),
     ('flie = "x.nc"', "flie: unknown key"),
 ]
@@ -380,7 +380,7 @@ def test_another_function_may_be_asked(read, problems):
         read(text, "hopf")
 
 
-def test_a_function_for_one_case(read, problems):
+def test_the_table_run_may_name_a_function(read, problems):
     text = "[loading]\nV_lp = 1e-3\n[run]\nfunction = 'limit_cycle'\nrtol = 1e-9\n"
     scenario = read(text)
     assert (scenario.function, scenario.settings) == ("limit_cycle", {"V_lp": 1e-3, "rtol": 1e-9})
@@ -458,7 +458,7 @@ def test_a_branch_along_what_the_slider_has(symbol, more, read, problems):
     assert line.startswith(f"[sweep] {symbol}: cannot be followed")
 
 
-def test_a_branch(read, problems):
+def test_a_sweep_of_continue_cycle_gives_parameter_start_and_stop(read, problems):
     sweep = '[sweep]\nfunction = "continue_cycle"\nV_lp = "3 mm/s"\nK = { from = 7e8, to = 3e8 }'
     scenario = read(sweep)
     assert scenario.function == "continue_cycle"
@@ -471,7 +471,7 @@ def test_a_branch(read, problems):
         ("V_lp = {from=1, to=2}\nK = {from=1, to=2}", "[sweep]: V_lp and K between two ends"),
         ("V_lp = {from=1, to=2, n=3}", "[sweep] V_lp: 'n': a branch chooses its points itself"),
         ("V_lp = {from=1}", "[sweep] V_lp.to: is missing"),
-        ("V_lp = {from=1, to=1}", "[sweep] V_lp: start = 1.0 is stop too"),
+        ("V_lp = {from=1, to=1}", "[sweep] V_lp: start = 1.0 equals stop"),
         ("mu0 = {from=1, to=2}\nV_lp = 1", "[sweep] mu0: cannot be followed"),
         ("law = {from=1, to=2}\nV_lp = 1", "[sweep] law: cannot be followed"),
         ("K = {from=1, to=2}", "[sweep] V_lp: is missing"),

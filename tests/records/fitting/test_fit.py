@@ -296,5 +296,5 @@ def test_a_wrong_given_value_is_not_taken_for_noise(noisy):
     with pytest.warns(rs.FitWarning) as emitted:
         rs.fit(noisy, SLIDER.replace(b=0.03), free=("a",))
     assert any(
-        "what was given does not suit the record (b = 0.03" in str(w.message) for w in emitted
+        "a value that was given does not suit it (b = 0.03" in str(w.message) for w in emitted
     )

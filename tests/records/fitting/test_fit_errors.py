@@ -323,7 +323,7 @@ def test_text_on_a_difference_of_likelihoods(apart, by_likelihood, by_evidence):
     ("laws", "none", "apart", "words"),
     [
         (("slip", "aging"), "Neither law", 1.4, "does not decide between"),
-        (("slip", "aging", "prz"), "None of the", 9.0, "is nearer to it than"),
+        (("slip", "aging", "prz"), "None of the", 9.0, "is nearer to the record than"),
     ],
 )
 def test_text_on_laws_that_do_not_fit(laws, none, apart, words):

@@ -225,10 +225,10 @@ REFUSED = {
     "lacks": (
         (SLIDER, ("a",)),
         {"law": ("slip", "two-state-slip")},
-        "law = 'two-state-slip' needs b2, Dc2, which the slider, of the law 'slip', does not have",
+        "law = 'two-state-slip' needs b2, Dc2, which the slider of the law 'slip' does not have",
     ),
     "nothing": ((TWO, ("b2",)), {"law": ("slip", "two-state-slip")}, "'slip' only mu0 is free"),
-    "cycles": ((TWO, ("a",)), {"against": "cycles"}, r"as fit\(..., against="),
+    "cycles": ((TWO, ("a",)), {"against": "cycles"}, r"in fit\(..., against="),
 }
 
 

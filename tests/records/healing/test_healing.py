@@ -258,7 +258,7 @@ def test_the_error_of_a_peak_includes_the_misfit(change, hold, noise, low, high)
     assert abs(off) < error
 
 
-def test_a_given_loading_and_a_load_velocity():
+def test_healing_accepts_a_loading_or_a_load_point_velocity():
     data = noisy(13, holds=(10.0, 30.0)).drop_vars(["segment_t", "segment_V"])
     loading, _ = loading_of((10.0, 30.0))
     given = rs.healing(data, loading=loading)

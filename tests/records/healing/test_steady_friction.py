@@ -101,7 +101,7 @@ def test_a_record_without_noise_has_the_errors_of_its_digits(digits, step):
         assert (np.abs(result[name] - known) < 5.0 * error + 1e-7).all()
 
 
-def test_resolution():
+def test_the_resolution_of_rounded_values_is_found():
     values = np.random.default_rng(1).integers(0, 50, 400) * 0.002 + 0.5
     assert resolution(values) == pytest.approx(0.002)
     assert resolution(np.append(values, values * (1.0 + 1e-15))) == pytest.approx(0.002)

@@ -211,7 +211,7 @@ def test_a_jump_may_leave_a_row_within_it(intervals, segments):
     assert ["delta_lp jumps by" in note for note in found.notes] == [True] * (segments == 2)
 
 
-def test_a_ramp_is_a_step():
+def test_a_short_ramp_of_speed_is_found_as_a_step():
     t = np.arange(0, 100, 0.01)
     V = np.interp(t, [0, 50, 50.4, 100], [1e-6, 1e-6, 1e-3, 1e-3])
     noise = NOISE * np.random.default_rng(5).standard_normal(t.size)

@@ -12,7 +12,7 @@ T = np.arange(1200) * 0.5
 NOISE = 5e3 * np.random.default_rng(3).normal(size=T.size)
 
 
-def test_levels_and_times():
+def test_stress_steps_have_their_times_and_levels():
     sigma = 8e6 + 0.8e6 * (T > 200.2) - 2.8e6 * (T > 400.2) + NOISE
     first, second = stress_steps(T, sigma)
     assert (first.t, second.t) == (pytest.approx(200.25), pytest.approx(400.25))
@@ -103,7 +103,7 @@ def test_other_histories_have_no_step(sigma):
 
 
 @pytest.mark.parametrize(("speed", "first"), [(3.0, "velocity step"), (1.0, "no step: steady")])
-def test_the_history_has_them_in_order_of_time(tmp_path, speed, first):
+def test_the_history_lists_stress_steps_in_order_of_time(tmp_path, speed, first):
     """After a step of the load point, or at one speed throughout."""
     moved = np.where(T > 100.0, 100.0 + speed * (T - 100.0), T)
     sigma = 8.0 + 0.8 * (T > 400.2)

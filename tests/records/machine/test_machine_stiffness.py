@@ -83,7 +83,7 @@ def test_one_step_of_a_stiff_machine_is_not_biased():
     assert 0.05 < np.median(relative) < 0.3
 
 
-def test_a_large_error_warns(one):
+def test_a_large_error_of_K_is_remarked(one):
     """Several slopes cause a warning only if the error of K exceeds 20 %."""
     for error, expected in ((0.199, 0), (0.201, 1)):
         texts = [*stiffness_remarks(one.assign(K_error=error * one.K))]

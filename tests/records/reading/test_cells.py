@@ -32,7 +32,7 @@ def written(number, decimal, group, minus):
     quotes=st.booleans(),
 )
 @settings(max_examples=80, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_numbers_come_back(tmp_path, style, delimiter, minus, numbers, quotes):
+def test_written_numbers_are_read_again_exactly(tmp_path, style, delimiter, minus, numbers, quotes):
     values = np.array(numbers) / 1000.0
     values[0] = 0.25, 1250.75, -0.5  # so that it is clear what is what
     quotes = quotes or delimiter == ","

@@ -96,7 +96,7 @@ def test_a_script_needs_no_guard_and_a_folder_may_hold_anything(tmp_path):
     assert done.stdout == "once 120\n"
 
 
-def test_a_type_that_killed_the_process(tmp_path):
+def test_an_unknown_type_in_a_mat_file_is_refused(tmp_path):
     """SciPy looks an unknown type up in a table without looking, and dies of it."""
     path = mat(tmp_path / "r.mat")
     double = struct.pack("<II", 9, 8 * T.size)

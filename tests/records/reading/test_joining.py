@@ -146,7 +146,7 @@ def test_a_gap_and_bad_rows_are_named_by_file(tmp_path):
         (None, {"joint": "auto"}, "read_lab has no parameter joint.* mean join"),
     ],
 )
-def test_calls_refused(tmp_path, files, keywords, match):
+def test_wrong_arguments_for_joining_files_are_refused(tmp_path, files, keywords, match):
     path = write(tmp_path / "a.txt", [T, X, MU, 20 + 0 * T])
     with pytest.raises(rs.ParameterError, match=match):
         rs.read_lab([path] if files is None else files, **keywords)

@@ -123,7 +123,7 @@ def test_the_text_of_a_description(tmp_path):
     assert json.loads(data.attrs["columns"])["delta_lp"]["sign"] == -1
 
 
-def test_options_of_the_call_go_first(tmp_path):
+def test_arguments_override_the_lab_format(tmp_path):
     header = "Zeit [s]", "a", "b", "mu", "p (MPa)", "sigma (MPa)"
     columns = [T, X, 2 * X, MU, 0 * T, 30 + 0 * T]
     path = write(tmp_path / "r.txt", header, columns)

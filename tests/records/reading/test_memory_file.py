@@ -91,7 +91,7 @@ def test_a_child_can_be_stopped():
     assert 0.3 < time.monotonic() - begin < 10.0
 
 
-def test_a_child_may_have_its_own_time():
+def test_a_child_process_ends_at_its_time_limit():
     with pytest.raises(ParameterError, match="it took more than 1 s"):
         read_isolated(readers.endless, MemoryFile("r", b""), "a thing", seconds=1.0)
 

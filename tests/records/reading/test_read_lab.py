@@ -24,7 +24,7 @@ from ratestate.records.reading.columns import Column, Table, choose_columns
 COLUMNS = T, X, MU, SIGMA
 
 
-def test_a_record(tmp_path):
+def test_a_record_with_all_columns_is_read(tmp_path):
     data = read_lab(write_rows(tmp_path / "p1.txt", cells(COLUMNS)))
     check(data)
     assert set(data.sigma.values) == {2e7}
@@ -86,7 +86,9 @@ NAMES = st.fixed_dictionaries(
     comments=st.sets(st.integers(2, N - 2), max_size=3),
 )
 @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_any_layout(tmp_path, header, order, delimiter, end, bad, comments):
+def test_headers_orders_delimiters_and_remarks_are_read(
+    tmp_path, header, order, delimiter, end, bad, comments
+):
     rows = cells(COLUMNS)
     for (row, column), text in bad.items():
         rows[row][column] = text
@@ -149,7 +151,7 @@ def test_lines_above_the_table_and_encodings(tmp_path, how):
     assert set(data.sigma.values) == {2e7}
 
 
-def test_no_header(tmp_path):
+def test_a_file_without_a_header_needs_columns_and_units(tmp_path):
     path = write_rows(tmp_path / "r.txt", cells(COLUMNS), None, ",")
     units = {"time": "s", "delta_lp": "um"}
     check(read_lab(path, {"time": 1, "delta_lp": 2, "friction": 3}, units))
@@ -281,7 +283,7 @@ def test_headers_refused(tmp_path, header, match):
     refused(tmp_path, match, None, header)
 
 
-def test_calls_refused(tmp_path):
+def test_wrong_columns_and_units_are_refused(tmp_path):
     for columns, match in [
         ({"time": "Tme(s)"}, r"'Tme\(s\)' is not a column.* mean 'Time\(s\)'"),
         ({"time": 5}, "time = 5 is not a column"),
@@ -456,7 +458,7 @@ def test_times_that_are_one_but_for_rounding(tmp_path):
         assert len(left_out) == (step < 1e-9)
 
 
-def test_gaps(tmp_path):
+def test_gaps_in_time_are_reported_and_steps_kept(tmp_path):
     rows = cells(COLUMNS)
     path = write_rows(tmp_path / "r.txt", rows[:20] + rows[30:90] + rows[100:])
     with pytest.warns(RecordWarning, match=r"2 gaps in time before line 22 \(2.75 s\), line 82 "):

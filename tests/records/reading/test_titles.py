@@ -73,7 +73,7 @@ SPELLINGS = {
 
 
 @pytest.mark.parametrize("symbol", SPELLINGS)
-def test_spellings(symbol):
+def test_titles_in_many_spellings_are_recognized(symbol):
     for title in SPELLINGS[symbol].split(";"):
         known = [
             symbol
@@ -102,7 +102,7 @@ déplacement normal;glissement;spostamento normale;desplazamiento normal;垂直�
 
 
 @pytest.mark.parametrize("title", ELSEWHERE)
-def test_displacements_of_other_things(title):
+def test_titles_of_other_displacements_are_not_delta_lp(title):
     assert match_rank(name_and_units(title)[0], "delta_lp") is None
 
 
@@ -334,7 +334,7 @@ def test_a_title_and_a_row_of_units_that_contradict_each_other(tmp_path):
 
 
 @pytest.mark.parametrize("unit", ["mPa", "GPa"])
-def test_a_prefix_keeps_its_meaning(tmp_path, unit):
+def test_units_mPa_and_GPa_are_read_as_written(tmp_path, unit):
     columns = without("Normal stress (MPa)") | {f"Normal stress ({unit})": SIGMA}
     told = pytest.warns(RecordWarning, match="sigma is 20 GPa")
     refused = pytest.raises(rs.ParameterError, match="impossible in a record")

@@ -81,10 +81,10 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     Laws of one length have no torus: the product of the multipliers is below
     exp(-(1 + 1/eta) V_lp period/Dc).
 
-    ``error`` bounds the difference from this branch's exact cycle at the same parameter, and at a
-    fold from the exact cycle of the fold.  It may exceed `rtol` if amplitudes change much faster
-    than the parameter, because then the parameter's last digit matters.  Examples are a canard, and
-    a Hopf point from which the branch rises almost vertically.
+    ``error`` bounds the difference from the exact cycle at the same parameter, or at a fold from
+    the exact cycle at the fold.  It may exceed `rtol` if the amplitude changes so much faster than
+    the parameter that the parameter's last digit matters.  This happens if a branch is almost
+    vertical, for example near some Hopf points.
 
     Examples
     --------

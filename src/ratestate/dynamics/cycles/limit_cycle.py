@@ -70,12 +70,12 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
         - ``V_max`` and ``V_min``: largest and smallest slip velocity [m/s];
         - ``inertia``: max |tau/sigma - mu| divided by the amplitude;
         - ``slow_fraction``: the part of the period in which V < V_lp/10;
-        - ``fundamental``: the share of the harmonic with one oscillation per stress maximum in the
-          variance of tau.  It is 1 for a sine and 6/pi^2 for a sawtooth;
+        - ``fundamental``: the share of the variance of tau that the harmonic with one oscillation
+          per stress maximum has.  It is 1 for a sine and 6/pi^2 for a sawtooth;
         - ``multipliers``: complex Floquet multipliers without the trivial 1, largest first, in the
           dimension ``multiplier``.  Small distances from the cycle change by these factors in a
-          period.  There is one more than the law has states.  Below 1e-8 only their product is
-          certain;
+          period.  Their number is one more than the number of the law's states.  If they are below
+          1e-8, only their product is accurate;
         - ``multipliers_error``: estimated absolute error of each multiplier.  With cut-offs it may
           exceed rtol;
         - ``stable``: whether small disturbances decay;
@@ -88,8 +88,7 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
           rounding of the parameters, which is large if the cycle changes abruptly with a parameter;
         - ``V_max_error`` and ``V_min_error``: estimated relative errors of the speeds.  They may
           exceed rtol if speeds span decades.  V_min below 1e-260 V_lp counts as rest;
-        - ``returns``: number of stress maxima in the period: 1, 2, 4, ... 32, or 0 if there is no
-          cycle;
+        - ``returns``: number of stress maxima in the period: 1, 2, 4, ... 32, or 0 without a cycle;
         - ``status`` (int8 with CF flags): 0 is a cycle, 1 is steady sliding.  In steady sliding
           amplitude, stress_drop, inertia, slow_fraction, residual and their errors are 0,
           V_max = V_min = V_lp, and stable is True.  Period, frequency, fundamental and multipliers
@@ -103,7 +102,8 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
         If M = 0 and the slip velocity grows without bound in a finite time.
     NotConverged
         If the motion does not settle into a cycle of 1, 2, 4, ... 32 maxima, or if double precision
-        limits its accuracy to worse than 1 %.  The attribute ``best`` holds the last return.
+        limits its accuracy to worse than 1 %.  The attribute ``best`` holds the last period that
+        was computed.
     SolverError
         If the search fails for another reason.  In a sweep no error is raised: such cases are NaN,
         and their status is the reason.

@@ -64,10 +64,10 @@ def classify(cycle):
 
     Notes
     -----
-    ``slow_fraction`` is not a criterion, because a block need not stick in the paper's stick-slip:
-    if state needs slip to evolve, cycles with eta between 0.005 and 1 are never slower than
-    V_lp/10.  ``V_max`` is not a criterion either, because V_max/V_lp falls gradually through all
-    regimes.
+    ``slow_fraction`` is not a criterion, because not every cycle that the paper calls stick-slip
+    sticks.  If state evolves only with slip, cycles with eta between 0.005 and 1 are never slower
+    than V_lp/10.  ``V_max`` is not a criterion either, because V_max/V_lp falls gradually through
+    all regimes.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Compute the return map of many sliders, from one stress maximum to the next.
+"""Compute the return map, from one stress maximum to the next, and Floquet multipliers.
 
 A return begins and ends on the section V = V_lp, V rising, at points u whose units and symbols
 system.py has.  A limit cycle that closes after m returns is a fixed point of the m-th iterate of

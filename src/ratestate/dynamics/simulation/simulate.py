@@ -80,8 +80,8 @@ def simulate(
     Returns
     -------
     xarray.Dataset
-        In the sweep's dimensions, then ``time``.  If each case has its own times, the coordinate
-        is ``t``, in these dimensions:
+        In the sweep's dimensions, then ``time``.  If each case has its own times, they are the
+        coordinate ``t``, which has the dimensions of the sweep and ``time``:
 
         - ``V`` and ``V_load``: speeds of slider and load point [m/s];
         - ``theta``: state [s];
@@ -100,12 +100,13 @@ def simulate(
           the sum of their magnitudes;
         - ``cycles``: number of stress maxima after the first, since the last jump in the loading;
         - ``amplitude`` (max - min of tau/sigma(0)), ``stress_drop`` [Pa] (max - min of tau) and
-          ``frequency`` [Hz] of the last period; 0 if there is no period, or if the amplitude is
+          ``frequency`` [Hz] of the last period; 0 if no period is found, or if the amplitude is
           below 10 * a * rtol.  The first maximum does not count;
-        - ``returns``: number of stress maxima in this period.  It is 1 if all are equal, or if
-          there are fewer than about 20.  It is up to 32 if unequal maxima repeat in a fixed order
-          throughout the later half of the last 64.  It is 0 if they have no fixed order.  In that
-          case this half gives the amplitude, and frequency is the number of maxima per second;
+        - ``returns``: number of stress maxima in this period, found from the later half of the last
+          64 maxima.  It is 1 if all are equal, or if there are fewer than about 20.  It is 2 to 32
+          if unequal maxima repeat in a fixed order.  It is 0 if they have no fixed order: then the
+          amplitude covers all these maxima, and frequency is the number of maxima per second.  It
+          is also 0 if no period is found;
         - ``V_max`` and ``V_min``: largest and smallest V of the run [m/s].  If M = 0, V_max is inf
           if V exceeds double precision but falls again;
         - ``inertial_force``: largest |M dV/dt|/sigma(0), which is |tau/sigma - mu| without damping;

@@ -23,7 +23,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an e
 
 def _tables() -> dict[str, dict[str, Any]]:
     """Return the tables of commands.toml, with the figures beyond the paper filled in."""
-    beyond = "; ".join(f"{key}: {figure.help}" for key, figure in BEYOND.items())
+    beyond = ". ".join(f"{key}: {figure.help}" for key, figure in BEYOND.items())
     text = Path(__file__).with_name("commands.toml").read_text("utf-8")
     return tomllib.loads(text.replace("{names}", "|".join(BEYOND)).replace("{beyond}", beyond))
 

@@ -38,7 +38,7 @@ def exit_on_error(debug: bool, options: Mapping[str, str] | None = None) -> Iter
         raise
     except KeyboardInterrupt as interrupt:
         # (a sweep says what it has stored)
-        print_line(str(interrupt) or "interrupted: no file is half written", err=True)
+        print_line(str(interrupt) or "interrupted: no unfinished file is kept", err=True)
         raise typer.Exit(INTERRUPTED) from interrupt
     except Exception as error:
         if debug:

@@ -156,7 +156,7 @@ def describe(
     M: str | None = None,
     reading: FileReading,
 ) -> None:
-    """Print how a laboratory's files are read, as a file for --lab-format of other commands.
+    """Print a description of a laboratory's files, for --lab-format of other commands.
 
     Example: ratestate lab describe record.txt
     """

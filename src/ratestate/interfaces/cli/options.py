@@ -120,8 +120,8 @@ def laws_of(
     names = tuple(dict.fromkeys(map(_law_of, texts)))
     if own and names and own not in names:
         raise typer.BadParameter(
-            f"{', '.join(map(repr, names))}: the law of {law_file} is {own!r}. Name it too, or "
-            f"leave --law out",
+            f"{', '.join(map(repr, names))}: the law of {law_file} is {own!r}. Add it to "
+            f"--law, or leave --law out",
             param_hint="'--law'",
         )
     return names or ((own,) if own else tuple(defaults))

@@ -122,8 +122,8 @@ def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
                 "Add --sigma '20 MPa', or say which column it is with --columns sigma=TITLE.",
             )
         given["sigma"] = float(record["sigma"].median())
-        default = f"sigma = {readable('sigma', given['sigma'])} is the median of the record's"
-        notes = [*json.loads(record.attrs["notes"]), f"{default}, for none was given"]
+        default = f"sigma = {readable('sigma', given['sigma'])} is the median of the record"
+        notes = [*json.loads(record.attrs["notes"]), f"{default}, because none was given"]
         record.attrs["notes"] = json.dumps(notes)
     K = STIFFNESS * constant_in_si("sigma", given["sigma"])
     # of several laws the one that has the parameters of all, if any does

@@ -87,8 +87,8 @@ def note_sweep(scenario: Scenario) -> None:
     if sizes and scenario.function != "continue_cycle":
         cases = math.prod(sizes.values())
         print_line(
-            f"the [sweep] of the file is swept, {cases:,} case{'s' if cases > 1 else ''}. For the "
-            f"single slider take [sweep] out. To keep the cases in a store use ratestate sweep.",
+            f"computing the [sweep] of the file, {cases:,} case{'s' if cases > 1 else ''}. For a "
+            f"single case remove [sweep]. To keep the cases in a store use ratestate sweep.",
             err=True,
         )
 

@@ -86,7 +86,7 @@ def explore(
         if port is not None or no_browser:
             given = "--port" if port is not None else "--no-browser"
             raise ParameterError(
-                f"{given} is for serving the page, and --save writes it to a file instead",
+                f"{given} cannot be used with --save, which writes a file and starts no server",
                 "Leave out one of them.",
             )
         print_line(f"wrote {_saved(explorer, save, opened)}", err=True)

@@ -129,7 +129,7 @@ def _misfit(inference):
         yield sentences("residuals.above_noise", ratio=ratio)
     if inference.p_value < CHANCE:
         massless = solution.problem.forward.fixed["M"] == 0.0
-        mass = "the machine's mass (M is 0), " if massless else ""
+        mass = "give the machine's mass (M is 0), " if massless else ""
         other = "another law"
         if len(solution.problem.law.states) == 1:
             other += ", such as two-state-aging or two-state-slip"

@@ -66,9 +66,9 @@ def fit(
         holds).  In a record of stick-slip or vibration, "cycles" compares features of the cycles.
     loading : Loading, optional
         The load point's history, with t = 0 at the first sample.  By default the steps and holds
-        are found in its displacement.  The model's normal stress varies as in this loading.  If it
-        is constant there, it varies as the record's ``sigma`` [Pa], if that changes by more than
-        1 % of its mean.
+        are found in its displacement.  The model's normal stress is taken from this loading if it
+        varies there.  Otherwise it is taken from the record's ``sigma`` [Pa], if that changes by
+        more than 1 % of its mean.
     trend : {"slip", "time", None}
         Whether friction also drifts in proportion to slip, or to time, or not at all.
     start : {"auto", "steady", "free"}
@@ -77,14 +77,14 @@ def fit(
     noise : float or dict, optional
         Standard deviation of the noise in friction.  A dict gives one for each part, "white" and
         "red", and the correlation time "time" [s] of the red part.  By default the noise is
-        estimated as white noise.  A red part is added if the record shows it, with one correlation
-        time or with a spectrum that is a power of frequency.
+        estimated as white noise.  A red part is added if the record shows it.  It has one
+        correlation time, or a spectrum proportional to a power of frequency.
     errors : {"auto", "covariance", "profile", "posterior"}
         Source of the intervals.  "covariance": the covariance at the best fit.  "profile": profiles
-        of the likelihood, which take about 5 times as long as the fit, or 20 times if one is open.
-        "posterior": samples of the posterior by dynesty, which needs 20,000 evaluations or more.
-        10,000 evaluations take about 7 s on one core.  "auto": the covariance, but a profile for
-        each quantity along which the likelihood is not Gaussian.
+        of the likelihood, which take about 5 times as long as the fit, or 20 times if an interval
+        is open.  "posterior": samples of the posterior by dynesty, which needs 20,000 evaluations
+        or more.  10,000 evaluations take about 7 s on one core.  "auto": the covariance, but a
+        profile for each quantity along which the likelihood is not Gaussian.
 
     Returns
     -------
@@ -99,8 +99,8 @@ def fit(
         - ``noise_white``, ``noise_red``, ``noise_time`` and ``noise_exponent`` (1 is 1/f noise, 0
           is noise with one correlation time).
         - ``rms``, ``chi2_white``, ``log_likelihood``, ``aic`` and ``bic``.
-        - ``misfit_p_value``: probability that noise alone leaves the transients that the residuals
-          have after the steps, or NaN if it was not tested.
+        - ``misfit_p_value``: probability that noise alone causes such transients in the residuals
+          after steps; NaN if it was not tested.
         - ``warnings``: one on each line, or "".
         - ``identifiability``: a note on which parameters are determined.
 
@@ -143,8 +143,9 @@ def fit(
         - ``up_over_down``: mean over steps up divided by mean over steps down, with
           ``up_over_down_error`` and ``up_over_down_p_value`` of Student's test.
 
-        ``shared_p_value`` is the probability of as large a ``shared_deviance``, with
-        ``shared_degrees`` of freedom, if one set describes all steps.
+        ``shared_deviance`` is chi-square of one set for all steps minus chi-square of separate
+        sets.  ``shared_degrees`` is the number of parameters saved.  ``shared_p_value`` is the
+        probability of such a deviance or a larger one, if one set describes all steps.
 
     Raises
     ------
@@ -159,7 +160,7 @@ def fit(
     FitWarning
         If a parameter is at a bound, the search has not converged, the record does not determine a
         free parameter, the law does not describe the record, or the estimates depend on a trend
-        that friction before the first step does not confirm.  With per_step=True: also if the
+        that is not seen in friction before the first step.  With per_step=True: also if the
         posterior of a step failed.
 
     Examples

@@ -44,10 +44,10 @@ def healing(data, *, slider=None, loading=None, trend="slip", noise=None):
 
     The record is a slide-hold-slide test.  Healing is the peak of friction on reloading minus
     steady friction before the hold.  Relaxation is steady friction minus friction at the end of the
-    hold.  Steady friction is a straight line, extrapolated to the time of the peak; all slides
-    share its slope.  The rest of the transient after the previous hold is modelled.  The peak is
-    taken from a fitted polynomial (generalized least squares), because the largest noisy sample is
-    too high.
+    hold.  Steady friction is a straight line, extrapolated to the time of the peak.  All slides
+    share its slope.  The transient that remains from the previous hold is part of the fit.  The
+    peak is taken from a fitted polynomial (generalized least squares), because the largest noisy
+    sample is too high.
 
     Parameters
     ----------

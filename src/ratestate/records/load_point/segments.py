@@ -1,4 +1,4 @@
-"""Find the segments of constant load-point speed in a record; recognize overshoots."""
+"""Find and describe segments of constant load-point speed in a record; recognize overshoots."""
 
 from collections.abc import Sequence
 from typing import NamedTuple

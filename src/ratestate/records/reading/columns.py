@@ -239,8 +239,8 @@ def _reference(table, index):
 def unit_of(column, symbol, units):
     """Return the unit of a column for `to_si`: from `units`, or else from the file.
 
-    Friction without a unit has "1".  ParameterError if there is no unit, if it is not a unit of the
-    symbol, or if the header contradicts it.
+    Friction without a unit has "1".  ParameterError if the unit is missing, if it is not a unit of
+    the symbol, or if the header contradicts it.
     """
     unit = plain_unit(units.get(symbol, column.unit))
     if not unit and symbol == "friction" and symbol not in units:

@@ -53,8 +53,8 @@ def read_lab(
     sigma : float, str or pint.Quantity, optional
         Normal stress [Pa] if it was constant and not recorded, as in ``"20 MPa"``.
     max_rows : int, default 1_000_000
-        Largest number of rows that are kept (about, if there are many gaps).  Longer records are
-        averaged in blocks of neighbouring rows, and a warning reports it.  None keeps all rows.
+        Approximate largest number of rows that are kept.  Longer records are averaged in blocks of
+        neighbouring rows, and a warning reports it.  None keeps all rows.
     join : {"auto", "absolute", "restart"}, default "auto"
         How the times of several files follow each other.  "absolute": they continue from file to
         file.  "restart": they restart in each file, and each file follows the previous one after
@@ -98,8 +98,8 @@ def read_lab(
     RecordWarning
         If rows were left out (without a number, or with an impossible one), if there is a gap, or
         if columns contradict each other; the message names the rows.  Also if rows were averaged, a
-        title is ambiguous, a pore pressure was or was not subtracted, friction is a ratio of
-        forces, or values have an unusual size.
+        title is ambiguous, the file has a pore pressure, friction is a ratio of forces, or values
+        have an unusual size.
 
     Examples
     --------

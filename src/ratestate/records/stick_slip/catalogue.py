@@ -85,12 +85,13 @@ def events(data, *, K=None, M=None, sigma=None):
         flags) is 0 for a whole event.  ``event_message`` explains NaN and gives remarks.
 
         Along ``abscissa`` ("recurrence", "V_lp"): the line stress_drop = A + B log10(x), with x in
-        SI, through whole events during whose loading V_lp was constant: ``trend_A`` and ``trend_B``
-        [Pa] with errors, ``trend_events`` and ``trend_message``.
+        SI.  It is fitted to whole events with constant V_lp during the loading before them.
+        ``trend_A`` and ``trend_B`` [Pa] have errors.  ``trend_events`` is the number of events,
+        and ``trend_message`` explains NaN.
 
         Scalars: ``K`` and ``K_error`` [Pa/m]; ``tau_noise`` [Pa] and ``tau_noise_correlation`` of
         neighbouring samples, from the loading; ``detection_threshold`` [Pa], the smallest stress
-        drop that can be found.  Of a run, ``K_error``, noise and correlation are 0.  Along
+        drop that can be found.  For a run, ``K_error``, noise and correlation are 0.  Along
         ``time``: ``tau``, thinned if it is long.  Without events ``event`` has size 0.
 
     Raises
@@ -101,21 +102,22 @@ def events(data, *, K=None, M=None, sigma=None):
 
     Notes
     -----
-    In a run peaks lie on cubics through tau and its known slope.  In a record they are peaks of
-    polynomials, which do not have the bias of the largest sample.  The windows are as wide as
-    possible without a misfit beyond the noise.  Errors follow from the noise in the loading phases,
-    white or correlated.  Errors of slip, slip rate and energies include the error of K, which all
-    events share.  Every error includes the rounding of stresses and times to the record's digits.
-    If the samples next to a fall show that a peak or trough lies between samples, it is placed
-    halfway to the point at which the lines through these samples meet, with that distance as its
-    error.  The duration is NaN if it is less than one step between samples.
+    In a run, peaks are found on cubics that match tau and its slope.  In a record, a polynomial is
+    fitted around each peak, because the largest sample is biased by noise.  The fitted window is as
+    wide as possible without a misfit beyond the noise.  Errors follow from the noise in the loading
+    phases, white or correlated.  Errors of slip, slip rate and energies include the error of K,
+    which all events share.  Every error includes the rounding of stresses and times to the record's
+    digits.  A peak or trough may lie between two samples.  If the events show this on average, the
+    lines through the samples on either side are extended until they meet.  The extreme is placed
+    halfway between its sample and this point, and their distance is its error.  The duration is NaN
+    if it is less than one step between samples.
 
-    Two events are found as one fall if the loading between them raises the stress by less than the
-    detection threshold.  A fall that slows down and speeds up again is several events (status 6),
-    and its errors cover the values of each of them.  A message reports a stress drop with few
-    samples that exceeds 1.5 times the median, because it may be several events.  Messages also
-    report a smaller fall during the loading before an event, and a stress drop below twice the
-    threshold, because similar events may then be missing.
+    Two events count as one if the loading between them raises the stress by less than the detection
+    threshold.  A fall that slows down and speeds up again is several events (status 6), and its
+    errors cover the values of each of them.  A message reports a stress drop with few samples that
+    exceeds 1.5 times the median, because it may be several events.  Messages also report a smaller
+    fall during the loading before an event, and a stress drop below twice the threshold, because
+    similar events may then be missing.
 
     If the middle half of a fall has fewer than 8 samples, the peak slip rate is the mean slip rate
     there, a lower bound.

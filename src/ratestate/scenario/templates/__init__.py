@@ -45,7 +45,7 @@ def template(name: str) -> str:
     Raises
     ------
     ParameterError
-        If the name is another.  The message lists the names, and suggests one.
+        If no template has this name.  The message lists the names, and suggests one.
     """
     if name not in TEMPLATES:
         from ..problems import choice  # which takes a second to import

@@ -42,7 +42,7 @@ def test_the_interval_of_an_estimate_at_its_bound_is_closed_above(data):
     assert f"alpha < {short(upper)} (95 %)" in str(alone.warnings.item())
 
 
-def test_the_table_shows_the_bound(result):
+def test_the_table_shows_the_upper_bound_of_alpha(result):
     """The interval is widened by the errors of a, b, Dc and K."""
     columns, rows, _ = table_of(result, "slip")
     of_stress = next(row for row in rows if row[0] == "3")

@@ -107,7 +107,7 @@ def _triangle(step, own, values):
     """Return the triangle of a QR decomposition of whitened derivatives, residual.
 
     own : coordinates (list of int) of the step that are not shared
-    values : of the own coordinates, then of the shared ones; NaN if there is no motion
+    values : of the own coordinates, then of the shared ones; NaN without a motion
     """
     problem, order = step.solution.problem, own + step.shared
     point = values[np.argsort(order)]
