@@ -68,6 +68,20 @@ def test_errors_grow_with_correlated_noise():
     assert float(red.noise_time) == 1.0
 
 
+def test_a_peak_to_which_friction_rises_within_one_sample_has_a_larger_error():
+    """The machine is stiff: friction rises by 0.05 from one sample to the next."""
+    slider = SLIDER.replace(K="500 GPa/m", Dc="20 um")
+    z, errors = [], []
+    for seed in range(4):
+        result = rs.healing(noisy(seed, slider=slider, slide=60.0, white=1e-4))
+        assert statuses(result) == ["evaluated"] * 4
+        z.append((result.delta_mu - truth(slider)[:, 0]) / result.delta_mu_error)
+        errors.append(result.delta_mu_error)
+    assert 0.4 < np.sqrt(np.mean(np.square(z))) < 1.6
+    assert np.abs(z).max() < 3.5
+    assert 4e-5 < np.min(errors) < np.max(errors) < 2e-4
+
+
 @pytest.mark.parametrize(
     ("law", "slide", "least", "most"),
     [

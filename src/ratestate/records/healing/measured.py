@@ -1,7 +1,7 @@
 """Healing and relaxation of one hold, with standard errors.
 
 The largest noisy sample is two or three standard deviations of the noise above the peak.  So the
-peak is taken from a polynomial fitted to the samples around it.
+peak is taken from a polynomial fitted to the samples around it, or after it if friction rises fast.
 """
 
 import math
@@ -180,9 +180,13 @@ def _peak(record, hold, noise, low):
     if found is None and rows[-1] == slide[-1]:
         return ENDS, np.nan, None
     too_few = local.level > FEW * noise.level
-    if found is None or (too_few and found[2] > COARSE * (found[1] - low)):
-        found, smaller = _sharp_peak(record, slide, noise), []
-        too_few = True
+    # friction that rises in fewer samples than half a window has a peak between two samples
+    high = record.level[slide[0] - GUARD : slide[-1] + 1]
+    first = slide[0] - GUARD + int(np.argmax(high >= high.max() - LIKELY * noise.level))
+    is_sharp = found is None or first < slide[FEWEST_OF_PEAK // 2]
+    if is_sharp or (too_few and found[2] > COARSE * (found[1] - low)):
+        found, smaller = _sharp_peak(record, slide, first, noise), []
+        too_few = found[2] > noise.level
     at, peak, error = found
     if np.count_nonzero(t[slide] > t[rows[-1]]) < FEWEST:
         return ENDS, np.nan, None
@@ -199,16 +203,15 @@ def _peak(record, hold, noise, low):
     return EVALUATED, at, (peak, error)
 
 
-def _sharp_peak(record, slide, noise):
+def _sharp_peak(record, slide, first, noise):
     """Return time [s], friction and standard error of a peak to which friction rises in few steps.
 
     The peak is between a sample and the one before.  There it is between friction at the sample and
     the extrapolated curve of friction after it.
+
+    first : the sample
     """
     t, columns = record.t, (record.t, record.t, record.friction)
-    early = np.arange(slide[0] - GUARD, slide[FEWEST_OF_PEAK])
-    high = record.level[early]
-    first = early[np.argmax(high >= high.max() - LIKELY * noise.level)]
     rows = np.arange(first, slide[-1] + 1)
 
     def passes(size, _):
@@ -219,8 +222,8 @@ def _sharp_peak(record, slide, noise):
     excess = 0.0 if sizes else curvature(*columns, rows, USED, noise)
     fit = fitted_polynomial(*columns, rows, USED, noise.times(max(math.sqrt(excess / ORDERS), 1.0)))
     at = 0.5 * (t[first - 1] + t[first])
-    beyond = max(fit.at(at)[0] - fit.at(t[first])[0], 0.0)
     value, error = fit.at(t[first])
+    beyond = max(fit.at(at)[0] - value, 0.0)
     return at, value + beyond, math.hypot(error, beyond)
 
 
