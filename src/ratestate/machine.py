@@ -34,8 +34,8 @@ def cores():
     It is the smallest of three limits: the cores that the process may run on, the CPU quotas of its
     control groups (rounded up), and NUMBA_NUM_THREADS in the environment.
     """
-    here = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else ()
-    limits = [len(here) or os.cpu_count() or 1, *_cpu_quotas()]
+    processors = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else ()
+    limits = [len(processors) or os.cpu_count() or 1, *_cpu_quotas()]
     wanted = os.environ.get("NUMBA_NUM_THREADS", "")
     if wanted.isdecimal() and int(wanted) > 0:
         limits.append(int(wanted))
@@ -79,9 +79,9 @@ def check_fits(size, what, remedy):
     what : str, subject of the message, in the plural
     remedy : str, how to need less memory
     """
-    if size > ALWAYS_AVAILABLE and size > (most := memory()):
+    if size > ALWAYS_AVAILABLE and size > (available := memory()):
         raise ParameterError(
-            f"{what} take {size / 1e9:,.3g} GB of memory, but {most / 1e9:,.3g} GB are there",
+            f"{what} take {size / 1e9:,.3g} GB of memory, but {available / 1e9:,.3g} GB are there",
             remedy,
         )
 

@@ -89,8 +89,8 @@ def branch(state, along, deadline):
 def axis_of(slider, V_lp, along):
     """Return the `ParameterRange` of the diagram of a slider at a speed."""
     value = V_lp if along == "V_lp" else getattr(slider, along)
-    there = 0.0 < value < np.inf
-    anchor = value if there else _scale(slider, V_lp, along)
+    has_value = 0.0 < value < np.inf
+    anchor = value if has_value else _scale(slider, V_lp, along)
     wide = anchor * 10.0 ** np.array([-REACH, REACH])
     changes, stable = _stability(slider, V_lp, along, *wide)
     if changes:
@@ -100,7 +100,7 @@ def axis_of(slider, V_lp, along):
         low, high = changes[which] / 10.0**below, changes[which] * 10.0**above
     else:
         low, high = _rounded_decades(anchor, SIDE)
-    if there and not low <= value <= high:
+    if has_value and not low <= value <= high:
         ends = _rounded_decades(value, SIDE / 2.0)
         low, high = min(low, ends[0]), max(high, ends[1])
     changes, stable = _stability(slider, V_lp, along, low, high)

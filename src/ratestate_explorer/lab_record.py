@@ -194,8 +194,8 @@ def quantities():
 def _problem(found):
     """Return what is wrong, with a remedy that the page has."""
     table = found.error.sentence.partition(".")[0]
-    own = REMEDIES.get(table) if found.columns else None
-    return str(rs.ParameterError(found.error.problem, own)) if own else str(found.error)
+    remedy = REMEDIES.get(table) if found.columns else None
+    return str(rs.ParameterError(found.error.problem, remedy)) if remedy else str(found.error)
 
 
 def _arrays(record):

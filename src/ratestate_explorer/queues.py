@@ -72,8 +72,8 @@ class Kind(NamedTuple):
 def kind_of(state):
     """Return the `Kind` of a `PageState`."""
     slider = state.slider
-    own = tuple(slider.friction_law.parameters)
-    return Kind(slider.law, slider.friction_form, own, state.sigma_varies)
+    symbols = tuple(slider.friction_law.parameters)
+    return Kind(slider.law, slider.friction_form, symbols, state.sigma_varies)
 
 
 class Kernels:

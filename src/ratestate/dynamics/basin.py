@@ -105,10 +105,10 @@ def escape(slider, V_lp):
     batch = Batch({**check_slider(slider).values, "V_lp": V_lp}, reserved=VARIABLES)
     batch.check_fits(len(VARIABLES), "Ask for fewer at a time.")
     system = system_of(slider.friction_law.name, **batch.columns)
-    alone = batch.shape == ()
+    is_single = batch.shape == ()
     with bar("escape") as progress:
-        sizes, outcome, u = _smallest_escapes(system, batch.columns, alone, progress)
-    if alone and outcome[0] == "unknown":
+        sizes, outcome, u = _smallest_escapes(system, batch.columns, is_single, progress)
+    if is_single and outcome[0] == "unknown":
         raise SolverError(f"an orbit from disturbed sliding could not be followed\n{slider!r}")
     cycles = _cycles_around(system, batch.columns, np.flatnonzero(outcome == "cycle"), u)
     p = columns(batch)
@@ -156,10 +156,10 @@ def _cycles_around(system, columns, which, u):
     return result
 
 
-def _smallest_escapes(system, columns, alone, progress):
+def _smallest_escapes(system, columns, is_single, progress):
     """Return the smallest sizes (4, n) that leave the basin, the outcome, and u of a cycle.
 
-    alone : whether SolverError is raised if an edge of runaway cannot be followed
+    is_single : whether SolverError is raised if an edge of runaway cannot be followed
     """
     stable = system.stable & (system.margin != 0.0)
     sizes = np.where(stable, np.inf, 0.0) * np.ones((4, 1))
@@ -169,7 +169,7 @@ def _smallest_escapes(system, columns, alone, progress):
     if law_edge := EDGES.get(system.friction_law.name):
         for i in np.flatnonzero(may_leave & (system.eta == 0.0)):
             edge = system.kappa[i], system.beta[i], SIZES[-1]
-            sizes[:, i], outcome[i] = _runaway(law_edge, edge, alone)
+            sizes[:, i], outcome[i] = _runaway(law_edge, edge, is_single)
         may_leave &= system.eta > 0.0
     may_leave = np.flatnonzero(may_leave)
     steps = _largest_steps(system, columns)
@@ -177,20 +177,20 @@ def _smallest_escapes(system, columns, alone, progress):
     part = system.at(slider)
     largest = np.where(kind < 2, steps[np.minimum(kind, 1), slider], SIZES[-1])
     smallest, status, ends = _search(part, kind, largest, progress)
-    lost = ~np.isin(status, [STEADY_SLIDING, *OUTCOMES])
+    is_unknown = ~np.isin(status, [STEADY_SLIDING, *OUTCOMES])
     unsettled = np.flatnonzero(status == NO_CONVERGENCE)
     if len(unsettled):
-        lost[unsettled] = ~_is_irregular(part.at(unsettled), ends[unsettled])
-    sizes[:, may_leave] = np.where(lost, np.nan, smallest).reshape(4, -1)
+        is_unknown[unsettled] = ~_is_irregular(part.at(unsettled), ends[unsettled])
+    sizes[:, may_leave] = np.where(is_unknown, np.nan, smallest).reshape(4, -1)
     for code, name in OUTCOMES.items():
         outcome[slider[status == code]] = name
-    outcome[slider[lost]] = "unknown"
+    outcome[slider[is_unknown]] = "unknown"
     cycle = status == FINISHED
     u[slider[cycle]] = ends[cycle]
     return sizes, outcome, u
 
 
-def _runaway(law_edge, edge, alone):
+def _runaway(law_edge, edge, is_single):
     """Return the smallest sizes (4,) that run away without inertia, by the law's own edge.
 
     Also returns the outcome, which is "unknown" if the edge cannot be followed.
@@ -198,7 +198,7 @@ def _runaway(law_edge, edge, alone):
     try:
         step_up, *kicks = law_edge(*edge)
     except SolverError:
-        if alone:
+        if is_single:
             raise
         return np.nan, "unknown"
     sizes = np.array([step_up, np.inf, *kicks])

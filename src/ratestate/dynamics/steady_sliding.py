@@ -237,13 +237,13 @@ class FrequencyResponseCall(CheckedCall):
         sliders = self.sliders
         variables = {name: sliders.variable(x, name) for name, x in self.resonances.items()}
         for name, value in _transfer(self.slider, self.batch).items():
-            whole = self.batch.variable(value, name).where(variables["stable"])
-            text = whole.attrs["long_name"]
-            gain = whole.attrs | {"long_name": f"{text}, gain"}
+            response = self.batch.variable(value, name).where(variables["stable"])
+            dims, text = response.dims, response.attrs["long_name"]
+            gain = response.attrs | {"long_name": f"{text}, gain"}
             phase = {"units": "rad", "long_name": f"{text}, phase"}
-            variables[name] = whole
-            variables[f"{name}_gain"] = xarray.Variable(whole.dims, np.abs(whole.values), gain)
-            variables[f"{name}_phase"] = xarray.Variable(whole.dims, np.angle(whole.values), phase)
+            variables[name] = response
+            variables[f"{name}_gain"] = xarray.Variable(dims, np.abs(response.values), gain)
+            variables[f"{name}_phase"] = xarray.Variable(dims, np.angle(response.values), phase)
         return variables
 
 

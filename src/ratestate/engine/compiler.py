@@ -183,9 +183,9 @@ class _Function(Code):
     def _jump(self, label):
         self.lines.append(f"br label %{label}")
 
-    def _branch(self, test, yes, no):
+    def _branch(self, test, if_true, if_false):
         test = self._argument(Condition, self._truth(test))
-        self.lines.append(f"br {test}, label %{yes}, label %{no}")
+        self.lines.append(f"br {test}, label %{if_true}, label %{if_false}")
 
     def _truth(self, x):
         return x if isinstance(x, (Condition, bool)) else x != 0
@@ -279,11 +279,11 @@ class _Function(Code):
         values = values if type(values) is tuple else (values,)
         if self.returns is None:
             self.returns = tuple(map(_kind_of, values))
-        whole = f"{_type_of(self.returns)} poison"
+        returned = f"{_type_of(self.returns)} poison"
         for i, (kind, x) in enumerate(zip(self.returns, values, strict=True)):
-            one = self.write(f"insertvalue {whole}, {self._argument(kind, x)}, {i}", Value)
-            whole = f"{_type_of(self.returns)} {one.name}"
-        self.lines.append(f"ret {whole}" if self.returns else "ret void")
+            one = self.write(f"insertvalue {returned}, {self._argument(kind, x)}, {i}", Value)
+            returned = f"{_type_of(self.returns)} {one.name}"
+        self.lines.append(f"ret {returned}" if self.returns else "ret void")
         return True
 
     def _exec_If(self, node):
@@ -306,14 +306,14 @@ class _Function(Code):
     def _exec_While(self, node):
         if node.orelse:
             raise TypeError("a loop has no else")
-        again, body, end = (self._label() for _ in range(3))
-        self._jump(again)
-        self.lines.append(f"{again}:")
+        head, body, end = (self._label() for _ in range(3))
+        self._jump(head)
+        self.lines.append(f"{head}:")
         self._branch(self._value(node.test), body, end)
         self.lines.append(f"{body}:")
         self._ends.append(end)
         if not self._block(node.body):
-            self._jump(again)
+            self._jump(head)
         self._ends.pop()
         self.lines.append(f"{end}:")
 
@@ -372,8 +372,8 @@ class _Function(Code):
 
     def _eval_Compare(self, node):
         values = [self._value(one) for one in (node.left, *node.comparators)]
-        each = zip(node.ops, values, values[1:], strict=False)
-        tests = (OPERATORS[type(op)](x, y) for op, x, y in each)
+        comparisons = zip(node.ops, values, values[1:], strict=False)
+        tests = (OPERATORS[type(op)](x, y) for op, x, y in comparisons)
         return functools.reduce(operator.and_, tests)
 
     def _eval_BoolOp(self, node):
@@ -420,8 +420,8 @@ class _Function(Code):
         call = f"call {type_} @{name}({', '.join([self._program.words, *arguments_text])})"
         if not returns:
             return self.lines.append(call)
-        whole, each = f"{type_} {self.write(call, Value).name}", enumerate(returns)
-        results = tuple(self.write(f"extractvalue {whole}, {i}", one) for i, one in each)
+        returned, each = f"{type_} {self.write(call, Value).name}", enumerate(returns)
+        results = tuple(self.write(f"extractvalue {returned}, {i}", one) for i, one in each)
         return results[0] if len(results) == 1 else results
 
     def _call_unit(self, unit, buffer, first, last):

@@ -47,9 +47,9 @@ def run_march(taylor, law, cases, loads, save_times, order, progress=None):
 
 def _contiguous(arrays):
     """Return a named tuple of contiguous arrays: integers for indices, else doubles."""
-    each = arrays._asdict().items()
+    items = arrays._asdict().items()
     kinds = {"loading": np.int64, "times": np.int64}
-    return type(arrays)(*(np.ascontiguousarray(x, kinds.get(name, float)) for name, x in each))
+    return type(arrays)(*(np.ascontiguousarray(x, kinds.get(name, float)) for name, x in items))
 
 
 def run_returns(law, starts):

@@ -229,9 +229,9 @@ def max_change(s, home, shape, first, end, p):
     """
     largest = 0.0
     for k in range(first, end):
-        this, other = (k % R.RING) * R.LANES + home, ((k - p) % R.RING) * R.LANES + home
-        largest = max(largest, abs(s[shape.highs + this] - s[shape.highs + other]))
-        largest = max(largest, abs(s[shape.lows + this] - s[shape.lows + other]))
+        current, other = (k % R.RING) * R.LANES + home, ((k - p) % R.RING) * R.LANES + home
+        largest = max(largest, abs(s[shape.highs + current] - s[shape.highs + other]))
+        largest = max(largest, abs(s[shape.lows + current] - s[shape.lows + other]))
     return largest
 
 
@@ -264,13 +264,13 @@ def last_period(run, l):
     earlier = max(errors, max_change(s, home, shape, first, half, returns))
     grows = (changes or returns > 1) and max_change(s, home, shape, half, cycles, returns) > earlier
     irregular = (changes or grows) and is_irregular(s, home, shape, cycles, visible, grows)
-    over = recorded // 2 if irregular else returns
+    n_cycles = recorded // 2 if irregular else returns
     high, low, span = -math.inf, math.inf, 0.0
-    for k in range(cycles - over, cycles):
+    for k in range(cycles - n_cycles, cycles):
         at = (k % R.RING) * R.LANES + home
         high, low = max(high, s[shape.highs + at]), min(low, s[shape.lows + at])
         span += s[shape.durations + at]
-    return high - low, span / over if irregular else span, 0 if irregular else returns
+    return high - low, span / n_cycles if irregular else span, 0 if irregular else returns
 
 
 def is_irregular(s, home, shape, cycles, visible, grows):
@@ -281,8 +281,8 @@ def is_irregular(s, home, shape, cycles, visible, grows):
     count, previous_rise, earlier, later = 0, 0.0, 0.0, 0.0
     recorded = min(cycles, R.RING)
     for k in range(cycles - recorded + 1, cycles):
-        this, previous = (k % R.RING) * R.LANES + home, ((k - 1) % R.RING) * R.LANES + home
-        rise = s[shape.highs + this] - s[shape.highs + previous]
+        current, previous = (k % R.RING) * R.LANES + home, ((k - 1) % R.RING) * R.LANES + home
+        rise = s[shape.highs + current] - s[shape.highs + previous]
         if abs(rise) > visible:
             count += rise * previous_rise < 0.0
             previous_rise = rise

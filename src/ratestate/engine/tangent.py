@@ -65,11 +65,11 @@ def trace_of(jacobian, shares, unit):
     return dot_onto(total(by_psi) + unit * of_v[1], shares, [row[1] for row in of_psi])
 
 
-def perturbation_at_end(new, held, z):
+def perturbation_at_end(new, is_slaved, z):
     """Return a perturbation at the end of a step; if v is held, v follows the others."""
     S_v, *S_psi = new.S_slopes
     of_held = new.in_v((z[0], minus_dot(z[0], S_psi, z[2:]) / S_v, *z[2:]))
-    return z[0], where(held, of_held[1], z[1]), *z[2:]
+    return z[0], where(is_slaved, of_held[1], z[1]), *z[2:]
 
 
 def step(start, z, h):
@@ -104,9 +104,9 @@ def step(start, z, h):
             rows = right_hand_side(du, jacobian, k_omega, rest, curvature, r, start.m)
             dk[j] = *dk[j], arrow.solve(rows)
         traces.append(trace_of(jacobian, at.omega_by_psi, 1.0 / start.m))
-    new, held, error, dense = end_of_step(start, k, at, h)
+    new, is_slaved, error, dense = end_of_step(start, k, at, h)
     ends = (plus_sum(one, A[8], of_one) for one, of_one in zip(z, dk, strict=True))
-    z_new = tuple(perturbation_at_end(new, held, one) for one in ends)
+    z_new = tuple(perturbation_at_end(new, is_slaved, one) for one in ends)
     # The trace is integrated as in `rodas5p.step`: B weights trace(u_i) + gradient k_i.
     q = moves * start.c_inverse / start.eta0
     gradient = at_start("change_of_trace", z=sum_of(B, k), q=q, m=1.0)
@@ -138,8 +138,8 @@ def try_taylor_step(s, l, law):
 
     def largest_of_order(k):
         """Return the largest ratio of a perturbation's coefficient to the perturbation."""
-        each = zip(grouped([one[k] for one in c_z], y), z, strict=True)
-        ratios = (taylor.norm(a, momentum) / taylor.norm(b, momentum) for a, b in each)
+        coefficients = zip(grouped([one[k] for one in c_z], y), z, strict=True)
+        ratios = (taylor.norm(a, momentum) / taylor.norm(b, momentum) for a, b in coefficients)
         return functools.reduce(larger, ratios)
 
     last, previous = map(largest_of_order, (R.ORDER, R.ORDER - 1))
@@ -165,8 +165,8 @@ def commit_lane(s, l, law):
     other perturbations.  So this part is removed after each step.
     """
     rows, ok, at = rows_of(law), s[R.OK + l] > 0.0, L.read_point(s, l, law)
-    by, unit = at.acceleration(1.0, at.is_balanced)
-    rates = at.in_v((at.x_rate(1.0), by / unit, *at.f))
+    d_omega, unit = at.acceleration(1.0, at.is_balanced)
+    rates = at.in_v((at.x_rate(1.0), d_omega / unit, *at.f))
     size = larger(largest(rates), 1e-300)
     direction = times(1.0 / size, rates)
     inverse = 1.0 / dot(direction, direction)

@@ -113,10 +113,10 @@ def norm(y, momentum):
 
 def powers(h):
     """Return h**k for k from 0 to `ORDER`."""
-    each = [1.0, h]
+    h_powers = [1.0, h]
     for k in range(2, ORDER + 1):
-        each.append(each[k // 2] * each[k - k // 2])
-    return tuple(each)
+        h_powers.append(h_powers[k // 2] * h_powers[k - k // 2])
+    return tuple(h_powers)
 
 
 def integrals(c, h):

@@ -43,8 +43,8 @@ def add_taylor(s, l, law):
 def _add(s, l, rows):
     sums, c = read_rows(s, SUMS, l), read_rows(s, rows, l)
     accepted, h, period, t, t_low, slow = read_rows(s, STEP, l)
-    more = plus(sums, times(h, (slow, *means(c, (t + (t_low - h)) / period, h / period))))
-    write_rows(s, SUMS, l, select((accepted > 0.0) & (period > 0.0), more, sums))
+    next_sums = plus(sums, times(h, (slow, *means(c, (t + (t_low - h)) / period, h / period))))
+    write_rows(s, SUMS, l, select((accepted > 0.0) & (period > 0.0), next_sums, sums))
 
 
 @functools.cache

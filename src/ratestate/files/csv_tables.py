@@ -67,8 +67,8 @@ def _columns(name, variable):
         one = variable.isel(dict(zip(across, index, strict=True)))
         label = name + "".join(f"[{i}]" for i in index)
         if one.dtype.kind == "c":
-            for part, (_, of) in PARTS.items():
-                yield f"{label}.{part}{unit}", one.copy(data=of(one.values))
+            for part, (_, part_of) in PARTS.items():
+                yield f"{label}.{part}{unit}", one.copy(data=part_of(one.values))
         else:
             yield label + unit, one
 

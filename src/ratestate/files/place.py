@@ -107,14 +107,14 @@ def replace(path, write):
 
 def _exchange(new, folder):
     """Replace a folder by a new one; restore it if that fails."""
-    old = new.with_name(f"{new.name}.old")
-    folder.rename(old)
+    replaced = new.with_name(f"{new.name}.old")
+    folder.rename(replaced)
     try:
         new.rename(folder)
     except BaseException:
-        old.rename(folder)
+        replaced.rename(folder)
         raise
-    shutil.rmtree(old)
+    shutil.rmtree(replaced)
 
 
 def _real(path):

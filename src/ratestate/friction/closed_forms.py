@@ -45,8 +45,8 @@ def call_elementwise(function, given, *dims):
     """
 
     def call(*arrays):
-        full = np.broadcast_arrays(*arrays)
-        return function(**dict(zip(given, full, strict=True)))
+        broadcast = np.broadcast_arrays(*arrays)
+        return function(**dict(zip(given, broadcast, strict=True)))
 
     if any(hasattr(value, "dims") for value in given.values()):
         import xarray

@@ -48,11 +48,11 @@ def law_name(law):
     if name := find_law_name(law):
         return name
     if isinstance(law, str) and HASH_MARK in law:
-        own = law.partition(HASH_MARK)[0]
+        base_name = law.partition(HASH_MARK)[0]
         raise ParameterError(
             "is a user's law that is not registered",
             (
-                f"Register its file, ratestate.register('{own}.py'). The part after "
+                f"Register its file, ratestate.register('{base_name}.py'). The part after "
                 f"{HASH_MARK} is a hash of its formula."
             ),
             symbol="law",

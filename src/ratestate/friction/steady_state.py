@@ -33,8 +33,8 @@ def _steady_variable(law, k, p, v, start):
     previous = np.full(np.shape(psi_k), np.inf)
     with np.errstate(all="ignore"):  # steps may overflow
         for _ in range(ITERATIONS):
-            here = at(psi_k, v, p)
-            value, slope = here.f[k], here.f_slopes[1][k]
+            point = at(psi_k, v, p)
+            value, slope = point.f[k], point.f_slopes[1][k]
             step = np.where(value == 0.0, 0.0, value / slope)
             psi_k = np.where(done, psi_k, psi_k - step)
             size, change = np.maximum(1.0, np.abs(psi_k)), np.abs(step)

@@ -114,8 +114,8 @@ def make_user_law(kind):
     if not isinstance(getattr(kind, "label", None), str):
         law.label = f"{name} law"
     bases = kind.__mro__[: kind.__mro__.index(FrictionLaw)]
-    own = {name for base in bases for name in vars(base)}
-    if "rates" in own:
+    defined = {name for base in bases for name in vars(base)}
+    if "rates" in defined:
         raise ParameterError(
             f"law {name!r} has the method rates, an old form of laws",
             (
@@ -123,7 +123,7 @@ def make_user_law(kind):
                 "returns d theta/dt."
             ),
         )
-    if derived := sorted(x for x in own if hasattr(FrictionLaw, x) and x not in REPLACEABLE):
+    if derived := sorted(x for x in defined if hasattr(FrictionLaw, x) and x not in REPLACEABLE):
         raise ParameterError(
             (
                 f"law {name!r} has {derived[0]} of its own, the name of a quantity that is "
@@ -131,7 +131,7 @@ def make_user_law(kind):
             ),
             "Rename or remove it.",
         )
-    if "evolution" not in own:
+    if "evolution" not in defined:
         raise ParameterError(
             f"law {name!r} has no method evolution",
             "Add evolution(self, V, theta, p), which returns d theta/dt.",
@@ -236,8 +236,8 @@ def check_formulas(law, values):
             f"{problem}. Correct evolution, or the examples of parameters.", "evolution"
         )
     logs = tuple(AGES + k for k in range(len(law.states)))
-    again = law.log_states(0.4, law.variables(0.4, logs, p), p)
-    if not all(np.abs(x - y).max() <= INVERSION_ERROR for x, y in zip(logs, again, strict=True)):
+    inverse = law.log_states(0.4, law.variables(0.4, logs, p), p)
+    if not all(np.abs(x - y).max() <= INVERSION_ERROR for x, y in zip(logs, inverse, strict=True)):
         raise FormulaError(
             "variables_of is not the inverse of log_theta. Correct one of them.", "variables_of"
         )

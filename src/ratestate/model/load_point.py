@@ -236,9 +236,9 @@ class LoadPoint:
         elif not isinstance(t, np.ndarray):
             t = to_si("t", t)
         seconds = np.asarray(t, dtype=float)
-        outside = ~((seconds >= 0) & (seconds <= self.t_last))
-        if outside.any():
-            raise refusal("loading.outside", t=seconds[outside].flat[0], last=self.t_last)
+        is_outside = ~((seconds >= 0) & (seconds <= self.t_last))
+        if is_outside.any():
+            raise refusal("loading.outside", t=seconds[is_outside].flat[0], last=self.t_last)
         return t if is_array(t) else seconds
 
     @functools.cached_property

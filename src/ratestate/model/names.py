@@ -47,8 +47,8 @@ def one_of(names, given=None, like=""):
     names = list(names)
     near = nearest(given, names)
     meant = f" Did you mean {near}?" if near else ""
-    such = f", such as {like}" if like else ""
-    return f"Give {'one of ' if len(names) > 1 else ''}{', '.join(names)}{such}.{meant}"
+    example = f", such as {like}" if like else ""
+    return f"Give {'one of ' if len(names) > 1 else ''}{', '.join(names)}{example}.{meant}"
 
 
 def check_keywords(caller, given, names):

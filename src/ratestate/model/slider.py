@@ -123,12 +123,12 @@ class SpringSlider(SliderParameters):
         law = resolve_law(parameters.get("law", DEFAULT))
         extra = extra_parameters(law, form_of(law, parameters.get("friction_form")))
         mass = 0.0 if mass is None else mass
-        whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
+        contact_values = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
         others = [name for name in COMMON if name not in ("sigma", "K", "M")]
-        check_keywords("SpringSlider.of_contact", parameters, (*whole, *others, *extra))
+        check_keywords("SpringSlider.of_contact", parameters, (*contact_values, *others, *extra))
         given = {"area": to_si("area", area)}
-        for symbol, name in zip(("sigma", "K", "M"), whole, strict=True):
-            value = parameter_to_si(symbol, whole[name], given, quantity=name, label=name)
+        for symbol, name in zip(("sigma", "K", "M"), contact_values, strict=True):
+            value = parameter_to_si(symbol, contact_values[name], given, quantity=name, label=name)
             given[symbol] = value
         return cls(**given, **parameters)
 

@@ -175,12 +175,12 @@ def _to_float(symbol, value, label):
             return float(value)
         except OverflowError:  # an int beyond 1e308
             return np.inf if value > 0 else -np.inf
-    many = ""
+    array_hint = ""
     if hasattr(value, "__len__") and not isinstance(value, str | bytes):
-        many = f" For many values give xarray.DataArray(values, dims='{symbol}')."
+        array_hint = f" For many values give xarray.DataArray(values, dims='{symbol}')."
     raise ParameterError(
         f"is of type {type(value).__name__}",
-        QUANTITIES[symbol].remedy + many,
+        QUANTITIES[symbol].remedy + array_hint,
         symbol=label,
         value=reprlib.repr(value),
     )
@@ -257,8 +257,8 @@ def _array_to_si(symbol, array, label, bound):
     if hasattr(array.data, "magnitude"):  # pint inside xarray
         unit, array = str(array.data.units), array.copy(data=array.data.magnitude)
     if array.dtype.kind not in "iuf" or array.size == 0:
-        what = f"of dtype {array.dtype}" if array.size else "without values"
-        raise ParameterError(f"is a DataArray {what}", QUANTITIES[symbol].remedy, symbol=label)
+        fault = f"of dtype {array.dtype}" if array.size else "without values"
+        raise ParameterError(f"is a DataArray {fault}", QUANTITIES[symbol].remedy, symbol=label)
     reserved = RESERVED - {"time"} if symbol in ("t", "time", "times") else RESERVED
     for dim in array.dims:
         if dim in reserved or not re.match(r"(?!dim_\d)[^\W\d]", str(dim)):

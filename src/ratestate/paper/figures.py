@@ -47,8 +47,8 @@ def _listed():
     """Yield the rows of figures.toml; figures of the paper have a number."""
     rows = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
     for key, row in rows.items():
-        own = {"module": f"fig{key}", "name": f"Fig. {key}"} if key.isdigit() else {"module": key}
-        yield key, Figure(**own | row)
+        base = {"module": f"fig{key}", "name": f"Fig. {key}"} if key.isdigit() else {"module": key}
+        yield key, Figure(**base | row)
 
 
 FIGURES = dict(_listed())

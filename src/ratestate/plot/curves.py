@@ -33,10 +33,10 @@ class Change(NamedTuple):
     V_before: float  # [m/s]
     V: float
 
-    def text(self, *, whole=False):
+    def text(self, *, with_duration=False):
         """What the load point does: "hold 100 s", or both speeds with an arrow between them.
 
-        After a hold only the new one; `whole` puts the hold before it.
+        After a hold only the new one; `with_duration` puts the hold before it.
         """
         if self.V == 0.0:
             return f"hold {with_unit('t', self.end - self.start)}"
@@ -44,7 +44,7 @@ class Change(NamedTuple):
         new = f"\N{RIGHTWARDS ARROW} {factor * self.V:.3g} {unit}"
         if self.V_before:
             return f"{factor * self.V_before:.3g} {new}"
-        return f"hold {with_unit('t', self.start - self.previous)} {new}" if whole else new
+        return f"hold {with_unit('t', self.start - self.previous)} {new}" if with_duration else new
 
 
 class FittedRecord(NamedTuple):
@@ -135,7 +135,7 @@ def residuals(record, law, ax, rows=WHOLE):
     left = 1e3 * part["residual"].values
     scatter(ax, record.values[rows], left[rows], rows, LAWS[law].color, None)
     normal_95(ax, 1e3 * level, zorder=3)
-    most = 1e3 * 1.08 * max(float(np.abs(each["residual"]).max()) for each in record.laws.values())
+    most = 1e3 * 1.08 * max(float(np.abs(fit["residual"]).max()) for fit in record.laws.values())
     ax.set(ylim=(-most, most), ylabel="Residual\n" + r"[$10^{-3}$]")
     record.dress(ax, rows)
 
@@ -174,7 +174,7 @@ def _envelope(x, y):
     """The same samples, or of many the least and the largest of each few: noise stays as wide."""
     if x.size <= MOST:
         return x, y
-    each = -(-x.size // (MOST // 2))
-    starts = np.arange(0, x.size, each)
+    block = -(-x.size // (MOST // 2))
+    starts = np.arange(0, x.size, block)
     low, high = np.minimum.reduceat(y, starts), np.maximum.reduceat(y, starts)
     return np.repeat(x[starts], 2), np.column_stack([low, high]).ravel()

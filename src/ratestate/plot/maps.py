@@ -129,9 +129,9 @@ def _hopf_curve(ax, x, data):
     """Draw K_c at abscissae x by type of the bifurcation; the lines drawn."""
     lines = []
     kinds = (("supercritical", "softly", "k"), ("subcritical", "with a jump", RED))
-    for kind, how, color in kinds:
-        here = data.type.values == kind
-        if here.any():
-            style = {"color": color, "lw": 1.6, "label": f"{label('K_c')}: {how} ({kind})"}
-            lines += ax.plot(np.where(here, x, np.nan), _rows(data), zorder=3, **style)
+    for kind, onset, color in kinds:
+        is_kind = data.type.values == kind
+        if is_kind.any():
+            style = {"color": color, "lw": 1.6, "label": f"{label('K_c')}: {onset} ({kind})"}
+            lines += ax.plot(np.where(is_kind, x, np.nan), _rows(data), zorder=3, **style)
     return lines

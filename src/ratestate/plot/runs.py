@@ -80,8 +80,8 @@ def since(run, t_zero):
 
 def common(runs, symbols):
     """Those of the symbols whose parameters all runs share, as a str like the argument."""
-    each = {s: {parameter(run, s) for run in runs} for s in symbols.split()}
-    return " ".join(symbol for symbol, values in each.items() if len(values) == 1)
+    values_of = {s: {parameter(run, s) for run in runs} for s in symbols.split()}
+    return " ".join(symbol for symbol, values in values_of.items() if len(values) == 1)
 
 
 def _checked(run):
@@ -127,8 +127,8 @@ def _named(symbol, value, run):
 def _differences(runs):
     """What tells runs apart: law, parameters, last speed of the load point; or their numbers."""
     parts: list[list[str]] = [[] for _ in runs]
-    each = [slider_parameters(run) for run in runs]
-    shared = [symbol for symbol in each[0] if all(symbol in one for one in each)]
+    parameters = [slider_parameters(run) for run in runs]
+    shared = [symbol for symbol in parameters[0] if all(symbol in one for one in parameters)]
     shared = [symbol for symbol in shared if symbol not in ("law", *OPTIONAL)]
     for symbol in ("law", *shared, "friction_form", "damping", "alpha", "V_lp"):
         values = [

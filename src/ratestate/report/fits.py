@@ -192,11 +192,11 @@ def _features(laws: Laws) -> Blocks:
     rows = []
     for segment in range(first.sizes["segment"]):
         for feature in first["feature"].values.tolist():
-            each = [one.isel(segment=segment).sel(feature=feature) for one in laws.values()]
-            speed = readable("V_lp", float(each[0]["segment_V"]))
-            measured = with_error(float(each[0]["measured"]), float(each[0]["measured_error"]))
-            shown = measured if bool(each[0]["used"]) else "not resolved"
-            fitted = [f"{float(one['fitted']):.5g}" for one in each]
+            parts = [one.isel(segment=segment).sel(feature=feature) for one in laws.values()]
+            speed = readable("V_lp", float(parts[0]["segment_V"]))
+            measured = with_error(float(parts[0]["measured"]), float(parts[0]["measured_error"]))
+            shown = measured if bool(parts[0]["used"]) else "not resolved"
+            fitted = [f"{float(one['fitted']):.5g}" for one in parts]
             rows.append([speed, feature, shown, *fitted])
     heads = [left("load point"), left("feature"), Heading("measured")]
     texts = [

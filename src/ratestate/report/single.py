@@ -66,11 +66,11 @@ def run(result: xarray.Dataset, units: Units) -> Blocks:
     ]
     if float(result.frequency) > 0.0:
         # (of a limit cycle, of ringing that decays, or due to the load point)
-        own = parameter(result, "sigma")
+        sigma = parameter(result, "sigma")
         varies = "sigma" in result.data_vars
-        over = f", over sigma(0) = {value_text('sigma', own, units)}" if varies else ""
+        over = f", over sigma(0) = {value_text('sigma', sigma, units)}" if varies else ""
         rows.append(Row("amplitude", result.amplitude, f"of the last cycle{over}"))
-        rows.append(Row("stress_drop", result.amplitude * own, "of the last cycle"))
+        rows.append(Row("stress_drop", result.amplitude * sigma, "of the last cycle"))
         rows += _of_contact(result, "force_amplitude", "displacement_amplitude")
         rows.append(Row("frequency", result.frequency, "of the last cycle"))
     rows.append(Row("energy_residual", abs(result.energy_residual)))

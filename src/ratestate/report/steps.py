@@ -80,11 +80,11 @@ def table_of(result, law):
         if symbol in (*TRENDS, "mu0") or not np.isfinite(part[symbol].values).any():
             continue
         head, factor = _head(parts, symbol)
-        here = part.sel(parameter=symbol)
+        estimates = part.sel(parameter=symbol)
         together = [
-            _concise(here["shared"], here["shared_error"], factor),
-            _concise(here["scatter"], np.nan, factor),
-            _concise(here["up_over_down"], here["up_over_down_error"], 1.0),
+            _concise(estimates["shared"], estimates["shared_error"], factor),
+            _concise(estimates["scatter"], np.nan, factor),
+            _concise(estimates["up_over_down"], estimates["up_over_down_error"], 1.0),
         ]
         heads.append(Heading(head))
         columns.append([*(_cell(step, symbol, factor) for step in steps), *together])
@@ -115,13 +115,13 @@ def _head(parts, symbol):
 
 def _cell(step, symbol, factor):
     """Return the estimate of a step with its error, or its bound if one end is open."""
-    here = step.sel(parameter=symbol)
+    estimate = step.sel(parameter=symbol)
     infinite = np.array([-np.inf, np.inf])
-    ends = here["interval"].values[-1]
+    ends = estimate["interval"].values[-1]
     is_open = ends == (infinite if symbol in DERIVED else to_value(symbol, infinite))
     if is_open.sum() == 1:  # such as "< 0.16"
         return f"{'>' if is_open[1] else '<'} {short(factor * ends[~is_open][0])}"
-    return _concise(here[symbol], here["standard_error"], factor)
+    return _concise(estimate[symbol], estimate["standard_error"], factor)
 
 
 def _concise(value, error, factor):
@@ -137,8 +137,8 @@ def change_text(step):
     before, after = float(step["V_before"]), float(step["V_after"])
     kind = str(step["kind"].item())
     if kind == HOLD:
-        then = readable("V_lp", after, 3) if np.isfinite(after) else "to the record's end"
-        return f"hold {readable('t', float(step['t_hold']), 3)}, {then}"
+        next_speed = readable("V_lp", after, 3) if np.isfinite(after) else "to the record's end"
+        return f"hold {readable('t', float(step['t_hold']), 3)}, {next_speed}"
     if kind == NORMAL_STRESS:
         ends = (float(step[name]) for name in ("sigma", "sigma_after"))
         return f"sigma {readable_change('sigma', *ends)}"
@@ -207,13 +207,13 @@ def _on_symmetry(part):
     """Yield a sentence on the distances by steps up and steps down."""
     distances = [s for s in part["parameter"].values.tolist() if QUANTITIES[s].unit == "m"]
     for symbol in distances[:1]:
-        here = part.sel(parameter=symbol)
+        estimates = part.sel(parameter=symbol)
         keys = ("up_over_down", "up_over_down_error", "up_over_down_p_value")
-        ratio, error, p = (float(here[key]) for key in keys)
+        ratio, error, p = (float(estimates[key]) for key in keys)
         if np.isfinite(p):
-            alike = "alike" if p >= IMPROBABLE else "not alike"
+            verdict = "alike" if p >= IMPROBABLE else "not alike"
             yield (
-                f"steps up and steps down are {alike}: {symbol} of steps up is "
+                f"steps up and steps down are {verdict}: {symbol} of steps up is "
                 f"{with_error(ratio, error)} times that of steps down ({_probability(p)})."
             )
 

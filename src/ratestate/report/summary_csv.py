@@ -46,8 +46,8 @@ def _of_steps(result: xarray.Dataset) -> list[dict[str, Any]]:
     rows = []
     for law, part in results_by_law(result).items():
         for name in part["parameter"].values.tolist():
-            here = part.sel(parameter=name)
-            numbers = {head: (here[key], own) for head, (key, own) in OF_STEPS.items()}
+            estimates = part.sel(parameter=name)
+            numbers = {head: (estimates[key], own) for head, (key, own) in OF_STEPS.items()}
             if any(bool(value.notnull()) for value, _ in numbers.values()):
                 rows.append(_row(name, law, numbers))
     return rows

@@ -47,14 +47,14 @@ class Tables(NamedTuple):
 def assemble(tables: Tables) -> Scenario | None:
     """Return the scenario, or None if there are problems; note those that are found here."""
     slider = _slider(tables)
-    function, own, swept, branch = tables.sweep
+    function, file_function, swept, branch = tables.sweep
     if swept.get("V_lp") is not None and tables.loading.is_record:
         tables.place("V_lp").add("loading.of_record", like=example("V_lp"))
     _note_missing_speed(tables)
     run = dict(tables.run)
-    if own != function:  # functions have rtol of different meanings
+    if file_function != function:  # functions have rtol of different meanings
         run.pop("rtol", None)
-    if function == "limit_cycle" and (own != function or "sweep" in tables.names):
+    if function == "limit_cycle" and (file_function != function or "sweep" in tables.names):
         run.pop("V_start", None)  # of the run
     settings = run | {k: v for k, v in swept.items() if k not in parameter_keys()}
     if function:

@@ -155,8 +155,8 @@ def _summary(values, sizes, unit=""):
 def _leaves(value, name=""):
     """Yield (name, value) for all fields of a call and of nested dataclasses."""
     if dataclasses.is_dataclass(value):
-        own = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
-        value = getattr(value, "parameters", own)  # of a slider or a loading
+        fields = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+        value = getattr(value, "parameters", fields)  # of a slider or a loading
     if not isinstance(value, dict):
         yield name, value
         return

@@ -74,10 +74,10 @@ class Chunks:
         """
         index = dict(zip(self.sizes, self.index(i), strict=True))
         blocks = {}
-        for name, own in dims.items():
-            shared = index.keys() & {*own}
+        for name, own_dims in dims.items():
+            shared = index.keys() & {*own_dims}
             if shared and not any(index[dim] for dim in index.keys() - shared):
-                blocks[name] = tuple(index.get(dim, 0) for dim in own)
+                blocks[name] = tuple(index.get(dim, 0) for dim in own_dims)
         return blocks
 
     def __iter__(self):

@@ -74,8 +74,8 @@ def job_cluster(text):
 
     options = {key: value for key, value in _options(text).items() if key not in OF_JOBS}
     # Another sweep may have the usual port.
-    own = dask.config.get("jobqueue.slurm.scheduler-options")
-    options |= {"scheduler_options": {"dashboard_address": ":0"} | own, "job_cls": Job}
+    scheduler = dask.config.get("jobqueue.slurm.scheduler-options")
+    options |= {"scheduler_options": {"dashboard_address": ":0"} | scheduler, "job_cls": Job}
     try:
         return SLURMCluster(**options)
     except (ValueError, OSError, RuntimeError) as error:

@@ -57,9 +57,9 @@ def form_of(call):
     first = isel(call, {dim: slice(0, 1) for dim in dims})
     specs, static = {}, {}
     for name, v in with_messages(first.blank(), first.batch).items():
-        own = {dim: n for dim, n in v.sizes.items() if dim not in dims}
-        specs[name] = VariableSpec(v.dims, v.dtype, v.attrs, own)
-        if len(own) == v.ndim:
+        sizes = {dim: n for dim, n in v.sizes.items() if dim not in dims}
+        specs[name] = VariableSpec(v.dims, v.dtype, v.attrs, sizes)
+        if len(sizes) == v.ndim:
             static[name] = v
     return Form(specs, static)
 
@@ -110,16 +110,16 @@ def crashed_variables(call, specs, message):
 
 def concatenate(parts, dim):
     """Return the variables of a list of two parts of a sweep, adjacent along dim."""
-    whole = {}
+    joined = {}
     for name, one in parts[0].items():
         other = parts[1][name]
         if dim in one.dims:
-            whole[name] = xarray.Variable.concat([one, other], dim)
+            joined[name] = xarray.Variable.concat([one, other], dim)
         elif one.dtype.kind in "fc":  # common to both: from the part that has an answer
-            whole[name] = one.copy(data=np.where(np.isnan(one.values), other.values, one.values))
+            joined[name] = one.copy(data=np.where(np.isnan(one.values), other.values, one.values))
         else:
-            whole[name] = one
-    return whole
+            joined[name] = one
+    return joined
 
 
 def halves(sizes):

@@ -109,7 +109,7 @@ class Store:
         names = self.record.get("variables", self.arrays).keys() - coordinates
         dims = {name: self.arrays[name].metadata.dimension_names for name in names}
         sizes = self.record["sizes"].keys()
-        return {name: own for name, own in dims.items() if sizes & {*(own or ())}}
+        return {name: own_dims for name, own_dims in dims.items() if sizes & {*(own_dims or ())}}
 
     def done(self):
         """Return which chunks are done: (chunks,) bool."""

@@ -136,8 +136,8 @@ def sweep(
     if slurm is not None:
         context: Any = slurm_cluster(slurm, device)
     else:
-        own = Threads(device) if client is None else Cluster(client, device)
-        context = contextlib.nullcontext(own)
+        workers = Threads(device) if client is None else Cluster(client, device)
+        context = contextlib.nullcontext(workers)
     with context as backend, engine.use(device=device):
         request = Request(name, call, chunk, device, backend, progress)
         if store is None:

@@ -156,8 +156,8 @@ def _dataset(family, branch, hopf, ends):
     variables["special"] = batch.variable(np.array(special, dtype=str), "special")
     result = xarray.Dataset(variables, batch.coordinates([*VARIABLES, "special"]))
     at_hopf = result.special == "hopf"
-    there = family.sliders(along[at_hopf])
-    result["inertia"][at_hopf] = 0.5 * there.eta * there.critical.omega**2 / there.critical.kappa
+    system = family.sliders(along[at_hopf])
+    result["inertia"][at_hopf] = 0.5 * system.eta * system.critical.omega**2 / system.critical.kappa
     return result
 
 

@@ -283,7 +283,7 @@ def _tolerance(local, part, loosest):
     return np.clip(tol, local.finest, loosest)
 
 
-def _leap(system, returns, u, local, may):
+def _leap(system, returns, u, local, can_leap):
     """Return the image of u or, if the orbit may leap, a point further along its slow direction.
 
     A leap must not pass a fixed point, nor amplify returns that alternate.
@@ -296,19 +296,19 @@ def _leap(system, returns, u, local, may):
             slow = (matrix @ slow[:, :, None])[:, :, 0] / (first - other)[:, None]
         slow = slow.real
         along = distance(system, slow)
-        until = 0.5 * along / np.abs(1.0 - first)
+        max_step = 0.5 * along / np.abs(1.0 - first)
         bold = system.stable | (system.eta > 0.0)
         largest = np.where(bold, LARGEST_LEAP, LARGEST_LEAP_WITHOUT_MASS)
-        more = np.minimum(largest * size, until) / along - 1.0
+        leap = np.minimum(largest * size, max_step) / along - 1.0
         # Without inertia, orbits at K_c may be neutral, so that leaps would be a random walk; and
         # under laws of one length there is no cycle to leap to.
-        may = may & (first.imag == 0.0) & (first.real > 0.0)
+        can_leap = can_leap & (first.imag == 0.0) & (first.real > 0.0)
         leads = system.stable | (not system.friction_law.one_length)
-        may &= (system.eta > 0.0) | (leads & (np.abs(1.0 - first) > NEUTRAL))
+        can_leap &= (system.eta > 0.0) | (leads & (np.abs(1.0 - first) > NEUTRAL))
         # If faster parts of the move are larger, they hide the slow one, and the map bends.
-        may &= distance(system, move - slow) <= along
-        leapt = returns.image + np.where(may, more, 0.0)[:, None] * slow
-    far = may & (more > 0.0) & (leapt[:, -1] > 0.0)
+        can_leap &= distance(system, move - slow) <= along
+        leapt = returns.image + np.where(can_leap, leap, 0.0)[:, None] * slow
+    far = can_leap & (leap > 0.0) & (leapt[:, -1] > 0.0)
     return np.where(far[:, None], leapt, returns.image)
 
 
@@ -324,8 +324,8 @@ def _nonlinearity(system, returns, search, local):
     change = np.hypot(departure.real - first.real, np.abs(departure.imag) - np.abs(first.imag))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         linear = (returns.jacobian @ begin[:, :, None])[:, :, 0]
-        off = np.nan_to_num(distance(system, image - linear) / distance(system, begin))
-        return np.maximum(off, change) / (1.0 - np.abs(first))
+        deviation = np.nan_to_num(distance(system, image - linear) / distance(system, begin))
+        return np.maximum(deviation, change) / (1.0 - np.abs(first))
 
 
 def _alternates(system, search, move, first, refuted, on_orbit):

@@ -235,10 +235,10 @@ def cycle_variables(law, batch, status, measures, stable):
     stable : (n,) whether the cycles are stable
     """
     p, V, steady = columns(batch), batch.flat("V_lp"), status == STEADY_SLIDING
-    nothing = np.full(batch.n, np.nan)
+    missing = np.full(batch.n, np.nan)
 
     def measured(name, if_steady=np.nan):
-        return np.where(steady, if_steady, measures.get(name, nothing))
+        return np.where(steady, if_steady, measures.get(name, missing))
 
     period, amplitude = measured("period") * p.Dc / V, measured("amplitude", 0.0)
     at_V, psi = law.coefficient_arrays(V, batch.columns), law.reference_state
@@ -268,9 +268,9 @@ def cycle_variables(law, batch, status, measures, stable):
     at = law.steady(at_V)
     lowest = mu + p.a * measured("f_min", at.R), 2.0 * mu + p.a * measured("xf_min", at.R + at.S)
     variables |= domain_variables(law, batch, *lowest)
-    without = np.full((batch.n, 1 + len(law.states)), np.nan)
+    missing_vectors = np.full((batch.n, 1 + len(law.states)), np.nan)
     for name, dtype in (("multipliers", complex), ("multipliers_error", float)):
-        value = measures.get(name, without.astype(dtype))
+        value = measures.get(name, missing_vectors.astype(dtype))
         variables[name] = batch.variable(value, name, "multiplier")
     return variables | {"status": status_variable(batch, status)}
 

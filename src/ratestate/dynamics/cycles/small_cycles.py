@@ -145,14 +145,14 @@ def _solve(margin, case):
         old, s_old = select(balance, rows), s[rows]
         new = _next_balance(old, s_old, select(case, rows))
         target = margin[rows] / new.m
-        drift, off = np.abs(new.m - old.m), np.abs(new.m - margin[rows] / s_old)
+        drift, residual_m = np.abs(new.m - old.m), np.abs(new.m - margin[rows] / s_old)
         for values, new_values in zip(balance, new, strict=True):
             values[rows] = new_values
-        residual[rows] = off + drift + rounding[rows]
+        residual[rows] = residual_m + drift + rounding[rows]
         # m is small where eta is, but the rest of the balance is not: it converges before s moves
-        follow = (drift < 0.1 * off) & (off > rounding[rows])
+        follow = (drift < 0.1 * residual_m) & (residual_m > rounding[rows])
         s[rows] = np.where(follow, np.clip(target, s_old / 4, 4 * s_old), s_old)
-        rows = rows[(off + drift > 2 * rounding[rows])[:, 0]]
+        rows = rows[(residual_m + drift > 2 * rounding[rows])[:, 0]]
     return balance, s, residual
 
 

@@ -46,8 +46,8 @@ class System:
 
         If these are all sliders in order, it is this system, with the quantities derived so far.
         """
-        every = np.arange(len(self.kappa))
-        if np.array_equal(every[which], every):
+        all_rows = np.arange(len(self.kappa))
+        if np.array_equal(all_rows[which], all_rows):
             return self
         parts = (values[which] for values in (self.kappa, self.p, self.eta, self.v_limit))
         return System(self.law, *parts)

@@ -73,13 +73,13 @@ def as_command(function: Callable[..., None]) -> Callable[..., None]:
     `parameters_of` gives its parameters; each is in commands.toml.
     """
     table = _SHARED | _TABLES[function.__name__]
-    own = inspect.signature(function).parameters.values()
+    arguments = inspect.signature(function).parameters.values()
 
     @functools.wraps(function)
     def wrapped(*, context: typer.Context, debug: bool, **values: Any) -> None:
         options = {str(one.name): one.opts[0] for one in context.command.params}
         with exit_on_error(debug or bool(context.obj), options), warnings_as_lines():
-            function(**{parameter.name: _argument(parameter, values) for parameter in own})
+            function(**{parameter.name: _argument(parameter, values) for parameter in arguments})
 
     kind = inspect.Parameter.KEYWORD_ONLY
     parameters = [

@@ -115,13 +115,13 @@ def names_of(files: Iterable[Path]) -> str:
 @contextlib.contextmanager
 def folder(out: Path | None) -> Iterator[None]:
     """A folder as by `make_writable`, if any; what was made of it goes if nothing is written."""
-    made = [one for one in (out, *out.parents) if not one.exists()] if out else []
+    new_folders = [one for one in (out, *out.parents) if not one.exists()] if out else []
     try:
         if out:
             make_writable(out)
         yield
     finally:
-        for one in made:
+        for one in new_folders:
             with contextlib.suppress(OSError):  # it has files
                 one.rmdir()
 

@@ -128,7 +128,7 @@ def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
     K = STIFFNESS * constant_in_si("sigma", given["sigma"])
     # of several laws the one that has the parameters of all, if any does
     law = max(map(friction_law, request.laws), key=lambda law: len(law.parameters))
-    examples = {symbol: own.example.strip("'") for symbol, own in law.parameters.items()}
+    examples = {symbol: spec.example.strip("'") for symbol, spec in law.parameters.items()}
     guesses = {symbol: value for symbol, value in examples.items() if value}
     slider = SpringSlider(**{**STARTS, **guesses, "K": K, **given}, law=law.name)
     free = checked_free(request.fitting["free"], sliders_under(slider, request.laws))

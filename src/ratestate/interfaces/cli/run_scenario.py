@@ -146,10 +146,10 @@ def in_numbers(result: xarray.Dataset, units: dict[str, str] | None) -> xarray.D
     """
     numbers = result.assign(whole_contact(result).data_vars)
     wanted = units or {}
-    there = {k: unit for k, unit in wanted.items() if find_variable(numbers, k) is not None}
-    if absent := [name for name in wanted if name not in there]:
+    found = {k: unit for k, unit in wanted.items() if find_variable(numbers, k) is not None}
+    if absent := [name for name in wanted if name not in found]:
         print_line(f"--units: this result has no {', '.join(absent)}", err=True)
-    return in_units(numbers, **there)
+    return in_units(numbers, **found)
 
 
 def write_numbers(numbers: xarray.Dataset, output: Output) -> None:

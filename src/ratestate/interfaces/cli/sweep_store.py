@@ -112,8 +112,8 @@ def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
         units = shown_units(result)
         outside = outside_lines(result, "cases", units)
         ends = outcomes(result["status"].values, status.function)
-        none = "" if status.failed else ", 0 failed"
-        lines = [f"{status.cases:,} cases in {store}: {ends}{none}", *outside]
+        failed_text = "" if status.failed else ", 0 failed"
+        lines = [f"{status.cases:,} cases in {store}: {ends}{failed_text}", *outside]
         print_line("\n".join([*lines, *(failed_lines(result, units) if status.failed else [])]))
     return status.failed
 
@@ -135,8 +135,8 @@ def print_status(
     else:
         rows = _rows(status)
         if file:
-            asks = "another sweep:" if differences else "this very sweep"
-            rows["file"] = f"{file} asks for {asks}"
+            request = "another sweep:" if differences else "this very sweep"
+            rows["file"] = f"{file} asks for {request}"
         lines = [f"{label:<9} {text}" for label, text in rows.items()]
         print_line("\n".join([*lines, *(f"  {line}" for line in differences)]))
     if status.flaws:

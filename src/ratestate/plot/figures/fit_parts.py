@@ -38,8 +38,8 @@ def framed(result, laws, height):
     """
     middle = [LIKELIHOOD] if non_gaussian(result) else []
     heights = [height + LABELS, *middle, ROW * (1 + len(laws))]
-    own = own_parameters(map(friction_law, laws))
-    symbols = " ".join(s for s in (*"sigma M a b Dc K V0".split(), *own) if s not in result)
+    extra = own_parameters(map(friction_law, laws))
+    symbols = " ".join(s for s in (*"sigma M a b Dc K V0".split(), *extra) if s not in result)
     source = attribute_text(result, "source", "")
     which = f"the {law_names(laws)}" if len(laws) <= NAMED else f"{len(laws)} friction laws"
     title = (

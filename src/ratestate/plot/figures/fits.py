@@ -127,12 +127,12 @@ def _close_ups(record):
         if change.V == 0.0:
             continue
         reach = max(_reach(part, change) for part in record.laws.values())
-        here = record.at(change.start)
+        start = record.at(change.start)
         high = record.at(min(change.end, change.start + reach / change.V))
-        low = max(record.at(change.previous), here - BEFORE * (high - here))
+        low = max(record.at(change.previous), start - BEFORE * (high - start))
         rows = slice(*np.searchsorted(record.values, (low, high)))
         if rows.stop - rows.start >= FEWEST and high - low < NEARLY_ALL * record.values[-1]:
-            views[f"{change.text(whole=True)} ({i})"] = rows
+            views[f"{change.text(with_duration=True)} ({i})"] = rows
     return dict(list(views.items())[:MOST])
 
 

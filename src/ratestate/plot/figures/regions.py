@@ -73,8 +73,8 @@ def _critical(result, axes):
     finer = {symbol: _finer(value, axes) for symbol, value in values.items()}
     K = finer.pop("K")
     # K and the axes' other parameters may each vary along one dimension only
-    whole = np.ones([_numbers(axis).size for axis in axes.values()])
-    frame = xarray.DataArray(whole, dims=[*axes])
+    ones = np.ones([_numbers(axis).size for axis in axes.values()])
+    frame = xarray.DataArray(ones, dims=[*axes])
     ratio = (K_c(_finer(V, axes), **finer) / K * frame).transpose(*axes).values
     (down, across), (right, along) = ((_numbers(axis), axis) for axis in axes.values())
     lines: Any = contour_generator(right, down, np.ma.masked_invalid(ratio)).lines(1.0)
@@ -105,10 +105,10 @@ def _finer(value, axes):
     found = value.values
     for dim, axis in axes.items():
         if dim in value.dims:
-            scale, back = (np.log, np.exp) if axis.logarithmic else (np.array, np.array)
+            scale, inverse = (np.log, np.exp) if axis.logarithmic else (np.array, np.array)
             with np.errstate(divide="ignore", invalid="ignore"):
                 at = value.dims.index(dim), scale(found), _numbers(axis)
-                found = back(np.apply_along_axis(_between, *at))
+                found = inverse(np.apply_along_axis(_between, *at))
     return xarray.DataArray(found, dims=value.dims)
 
 

@@ -93,14 +93,14 @@ def _motion(run, title, result):
     """
     fig = figure(run, 4.4, more=_of_contact(result), title=title)
     cycles = int(run.cycles)
-    alone = [NamedRun(run, "slider", {"color": BLUE})]
+    single = [NamedRun(run, "slider", {"color": BLUE})]
     if cycles > MANY:
         # (of lines that run together, dashes would make a pattern)
-        axes = _panels(fig, run, alone, f"the last {FEW} of {cycles} cycles", {"ls": "-"})
+        axes = _panels(fig, run, single, f"the last {FEW} of {cycles} cycles", {"ls": "-"})
         last = run.time.values[-1] - FEW / float(run.frequency)
         trace(run.isel(time=run.time.values >= last), axes["d"])
     else:
-        axes = _panels(fig, run, alone)
+        axes = _panels(fig, run, single)
     force_axis(run, axes["a"])
     if "sigma" in run.data_vars:
         _normal_stress(run, axes["a"])

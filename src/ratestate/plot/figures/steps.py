@@ -146,12 +146,12 @@ def _along(laws, symbol, along, ax):
     x = next(iter(laws.values()))[along].values
     to_unit, unit = prefixed(QUANTITIES[along].unit, float(np.nanmax(np.abs(x))))
     for i, (law, part) in enumerate(laws.items()):
-        own = part.sel(parameter=symbol)
+        fit = part.sel(parameter=symbol)
         beside = ScaledTranslation(i * BESIDE, 0.0, ax.figure.dpi_scale_trans)
-        value = own[symbol].values
-        low, high = np.abs(own["interval"].isel(level=0).transpose("side", "step").values - value)
+        value = fit[symbol].values
+        low, high = np.abs(fit["interval"].isel(level=0).transpose("side", "step").values - value)
         for (kind, up), marker in MARKERS.items():
-            at = _which(own, kind, up) & np.isfinite(value)
+            at = _which(fit, kind, up) & np.isfinite(value)
             errors = np.where(np.isfinite([low, high]), [low, high], 0.0)[:, at]
             look = {"ms": 3.5, "lw": 0.8, "color": LAWS[law].color}
             drawn = ax.errorbar(

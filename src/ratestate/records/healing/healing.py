@@ -235,8 +235,8 @@ def _predictions(t_hold, quantities, sliders, predicted):
     variables: dict = {}
     for i, (name, rate) in enumerate(RATES.items()):
         columns, rates = [], []
-        for law, each in predicted.items():
-            values = np.array([one[i] for one, _ in each])  # (holds, cases)
+        for law, prediction in predicted.items():
+            values = np.array([one[i] for one, _ in prediction])  # (holds, cases)
             slopes = [_line(t_hold, column, quantities[name][1]).slope for column in values.T]
             columns.append((values[:, 0], sliders[law].error(values)))
             rates.append((slopes[0], *sliders[law].error(np.array([slopes]))))

@@ -83,8 +83,8 @@ def sliders_of(slider):
 def _fitted(result, law, part):
     """Return the `Fitted` of one law of a result of `fit`."""
     slider = fitted_slider(result, law)
-    own = motion_symbols(slider.friction_law)
-    names = [name for name in part["parameter"].values.tolist() if name in own]
+    symbols = motion_symbols(slider.friction_law)
+    names = [name for name in part["parameter"].values.tolist() if name in symbols]
     if has_steps(result):
         errors, correlation = _errors_of_steps(part, names)
     else:

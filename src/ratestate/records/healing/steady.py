@@ -77,8 +77,8 @@ class Level(NamedTuple):
 
     def at(self, drift_coordinate):
         """Return steady friction and its standard error at a drift coordinate or several."""
-        away = np.asarray(drift_coordinate) - self.end
-        columns = np.array([np.ones_like(away), away])[: self.coefficients.size]
+        distance = np.asarray(drift_coordinate) - self.end
+        columns = np.array([np.ones_like(distance), distance])[: self.coefficients.size]
         variance = np.einsum("i...,ij,j...->...", columns, self.covariance, columns)
         return np.tensordot(self.coefficients, columns, 1)[()], np.sqrt(variance)[()]
 
@@ -123,9 +123,9 @@ class _SlideFit(NamedTuple):
         weights = np.exp(weights - logsumexp(weights))
         level = slice(self.size)
         mean = weights @ coefficients[:, level]
-        away = coefficients[:, level] - mean
-        inner = np.einsum("s,sij->ij", weights, covariance[:, level, level])
-        return mean, inner + np.einsum("s,si,sj->ij", weights, away, away)
+        deviation = coefficients[:, level] - mean
+        within = np.einsum("s,sij->ij", weights, covariance[:, level, level])
+        return mean, within + np.einsum("s,si,sj->ij", weights, deviation, deviation)
 
     def with_misfit(self, weights, prior):
         """Enlarge the noise by `MISFIT` if the level's error is mainly due to the transient.
@@ -153,18 +153,18 @@ def levels_of(record, noise):
             fits[i] = fit.with_misfit(_with_no_transient(weights, slide), bound)
             evidence[i] = fits[i].solved(QUADRATIC)[3][:-1] if slide.follows_hold else 0.0
     others = [
-        _with_no_transient(each, slide)
-        for each, slide in zip(weights + evidence.sum(0) - evidence, slides, strict=True)
+        _with_no_transient(weight, slide)
+        for weight, slide in zip(weights + evidence.sum(0) - evidence, slides, strict=True)
     ]
-    alone = [fit and fit.mean(each, bound) for fit, each in zip(fits, others, strict=True)]
-    errors = [np.inf if one is None else float(np.sqrt(one[1][0, 0])) for one in alone]
+    means = [fit and fit.mean(weight, bound) for fit, weight in zip(fits, others, strict=True)]
+    errors = [np.inf if one is None else float(np.sqrt(one[1][0, 0])) for one in means]
     for i, slide in enumerate(slides):
         fall = friction[slide.tail[0]] - friction[slide.rows[-FEWEST:]].mean()
         if slide.follows_hold and errors[i] > UNFINISHED * fall:
-            fits[i] = alone[i] = None
+            fits[i] = means[i] = None
     ends = np.array([record.drift_coordinate[slide.rows[-1]] for slide in slides])
     levels = {}
-    priors = _priors(slides, ends, alone, has_slope)
+    priors = _priors(slides, ends, means, has_slope)
     for i, (number, prior) in enumerate(zip(record.slides, priors, strict=True)):
         if (fit := fits[i]) is not None:
             mean, covariance = fit.mean(others[i], bound if prior is None else prior)
@@ -236,13 +236,13 @@ def _averaged(record, rows, noise):
     drift = [record.drift_coordinate] if record.trend else []
     change = record.friction - record.friction[0]
     columns = np.array([record.t, change, record.slip, *drift])[:, rows]
-    each = -(-rows.size // MOST)
-    if each == 1:
+    block = -(-rows.size // MOST)
+    if block == 1:
         return columns, noise
-    columns = columns[:, rows.size % each :].reshape(len(columns), -1, each).mean(axis=2)
+    columns = columns[:, rows.size % block :].reshape(len(columns), -1, block).mean(axis=2)
     # (averaging reduces the red part if it varies within a block)
     red = noise.red * min(1.0, np.sqrt(2.0 * noise.time / (columns[0, 1] - columns[0, 0])))
-    return columns, noise._replace(white=noise.white / np.sqrt(each), red=red)
+    return columns, noise._replace(white=noise.white / np.sqrt(block), red=red)
 
 
 def _fit_in_window(columns, noise, shapes):
@@ -255,22 +255,22 @@ def _fit_in_window(columns, noise, shapes):
     white, _ = noise.whiten(t, np.column_stack([shared, *transients]))
     first, last = np.split(white[:, : shared.shape[1]], [-TESTED], axis=1)
     parts = np.split(white[:, shared.shape[1] :], len(transients), axis=1)
-    each = [np.hstack([first, part, last]) for part in parts]
-    normal = np.array([one.T @ one for one in each])
+    designs = [np.hstack([first, part, last]) for part in parts]
+    normal = np.array([one.T @ one for one in designs])
     lengths = np.array([*(shape.length for shape in shapes), 0.0])
     scale = (np.ptp(friction) + noise.level) * (1.0 + lengths / np.ptp(slip))
     return _SlideFit(float(t[0]), normal, scale, 1 + len(drift))
 
 
-def _priors(slides, ends, alone, has_slope):
+def _priors(slides, ends, means, has_slope):
     """Return the prior of each slide from all others: mean and inverse covariance, or None.
 
     Slides scatter about one line with a level at each speed.
 
     ends : (slides,) drift coordinates at the slides' ends
-    alone : level (and slope) of each slide with its covariance, or None
+    means : level (and slope) of each slide with its covariance, or None
     """
-    known = np.array([i for i, one in enumerate(alone) if one is not None], int)
+    known = np.array([i for i, one in enumerate(means) if one is not None], int)
     if not known.size or len(slides) < 2:
         return [None] * len(slides)
     speeds = [next(k for k, b in enumerate(slides) if is_same_speed(a.V, b.V)) for a in slides]
@@ -280,8 +280,8 @@ def _priors(slides, ends, alone, has_slope):
     if has_slope:
         designs[:, :, -1] = np.column_stack([(ends - ends.mean()) / distance, np.ones(ends.size)])
     unit = np.array([1.0, distance])[: 1 + has_slope]
-    values = unit * np.array([alone[i][0] for i in known])
-    covariances = np.outer(unit, unit) * np.array([alone[i][1] for i in known])
+    values = unit * np.array([means[i][0] for i in known])
+    covariances = np.outer(unit, unit) * np.array([means[i][1] for i in known])
     rank = len({speeds[i] for i in known}) + has_slope
     scatter = scatter_about_line(designs[known], values, covariances, rank)
     priors: list = []

@@ -119,9 +119,9 @@ def _mark_holds(runs):
     largest = max(abs(run.V) for run in runs)
     marked: list[SpeedRun] = []
     notes = []
-    for m, (run, own) in enumerate(zip(runs, noise_variances(runs), strict=True)):
+    for m, (run, noise) in enumerate(zip(runs, noise_variances(runs), strict=True)):
         duration = run.end - run.start
-        error = (max(1.0, own) / run.spread) ** 0.5
+        error = (max(1.0, noise) / run.spread) ** 0.5
         moves = scatter * float(run.select_rows(run.samples.noise).mean()) ** 0.5
         least = max(HOLD_ERRORS * error, HOLD_SCATTER * moves / duration, MIN_SPEED_RATIO * largest)
         hold = abs(run.V) <= least

@@ -80,8 +80,8 @@ def breakpoints(runs):
     for one, other in itertools.pairwise(runs):
         middle = 0.5 * (one.end + other.start)
         change = one.V - other.V
-        apart = other.x_at(middle, 0) - one.x_at(middle, -1)
-        meet = middle + apart / change if change else middle
+        gap = other.x_at(middle, 0) - one.x_at(middle, -1)
+        meet = middle + gap / change if change else middle
         near = one.t[one.rows[-1][0]] < meet < one.t[other.rows[0][1] - 1]
         span = 0.0
         if jump_between(one, other):
@@ -129,11 +129,11 @@ def refine_breakpoints(runs):
             (first, last), (start, end) = rows[m][-1], rows[m + 1][0]
             if last == start and first + 2 <= edge <= end - 2:
                 rows[m][-1], rows[m + 1][0] = (first, edge), (edge, end)
-        places = tuple(own[0][0] for own in rows)
+        places = tuple(spans[0][0] for spans in rows)
         if rows == [run.rows for run in runs] or places in visited:
             break
         visited.add(places)
-        runs = [SpeedRun(samples, own, run.hold) for own, run in zip(rows, runs, strict=True)]
+        runs = [SpeedRun(samples, spans, run.hold) for spans, run in zip(rows, runs, strict=True)]
     return runs
 
 
@@ -157,7 +157,7 @@ def noise_variances(runs):
     of_all = np.concatenate(rates)
     parts = [unit[of_all == rate] for rate in range(of_all.max() + 1)]
     factors = np.array([_correlation_factor(p if p.size >= MIN_RATE_ROWS else unit) for p in parts])
-    return [level * factors[own].mean() for level, own in zip(levels, rates, strict=True)]
+    return [level * factors[of_run].mean() for level, of_run in zip(levels, rates, strict=True)]
 
 
 def _correlation_factor(unit):

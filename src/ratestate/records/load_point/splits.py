@@ -226,25 +226,25 @@ def sampling_noise(t, y, degree, longest):
         """
         first = np.arange(0, t.size - 2 * length + 1, length)
         both = first[:, None] + np.arange(2 * length)
-        whole, one, other = (
+        joint, left, right = (
             _misfits(t[rows], y[rows], 1.0 / noise[rows], degree)
             for rows in (both, both[:, :length], both[:, length:])
         )
-        reductions = (whole - one - other) / CHI2_MEDIANS[degree]
+        reductions = (joint - left - right) / CHI2_MEDIANS[degree]
         inside = blocks[first] == blocks[first + 2 * length - 1]
         return reductions, [reductions[inside & (rates[first] == rate)] for rate in of_all]
 
-    shortest, own = reductions_by_rate(MIN_RUN_ROWS, np.ones(t.size))
-    known = [one.size >= MIN_PAIRS for one in own]
-    levels = [np.median(one) for one, enough in zip(own, known, strict=True) if enough]
+    shortest, grouped = reductions_by_rate(MIN_RUN_ROWS, np.ones(t.size))
+    known = [one.size >= MIN_PAIRS for one in grouped]
+    levels = [np.median(one) for one, enough in zip(grouped, known, strict=True) if enough]
     noisiest = max(levels or [np.median(shortest) if shortest.size else 0.0])
     least = max(MIN_VARIANCE_RATIO * noisiest, ROUNDING * float(y @ y), LEAST_VARIANCE)
-    variances = np.full(len(own), max(noisiest, least))
+    variances = np.full(len(grouped), max(noisiest, least))
     variances[known] = np.maximum(levels, least)
-    growth, length = np.ones(len(own)), 2 * MIN_RUN_ROWS
+    growth, length = np.ones(len(grouped)), 2 * MIN_RUN_ROWS
     while length <= min(longest, t.size // (TYPICAL_PAIRS + 1)):
-        reductions, own = reductions_by_rate(length, variances[rates])
-        typical = [np.median(one if one.size >= TYPICAL_PAIRS else reductions) for one in own]
+        reductions, grouped = reductions_by_rate(length, variances[rates])
+        typical = [np.median(one if one.size >= TYPICAL_PAIRS else reductions) for one in grouped]
         growth, length = np.maximum(growth, typical), 2 * length
     noise = _local_noise(shortest, variances[rates]) * growth[rates]
     # a rate changes between two rows: rows beside the change take the larger noise

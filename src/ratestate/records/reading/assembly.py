@@ -260,5 +260,5 @@ def _zeroing_offset(before, after):
     """Return the offset of a displacement that was set to 0 between files; 0 if it was not."""
     (begin, end), (next_, last) = _end_values(before), _end_values(after)
     steps = np.concatenate([np.abs(np.diff(x[np.isfinite(x)])) for x in (before, after)])
-    back = (end - next_) * np.sign(end - begin + last - next_)
-    return end - next_ if back > ZEROED * steps.max(initial=0.0) else 0.0
+    reversal = (end - next_) * np.sign(end - begin + last - next_)
+    return end - next_ if reversal > ZEROED * steps.max(initial=0.0) else 0.0

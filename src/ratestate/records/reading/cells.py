@@ -82,12 +82,12 @@ def detect_clock(cell, unit=""):
     match = _TIME.fullmatch(cell)
     if match is None:
         return None
-    alone = not (match["third"] or match["part"] or match["date"] or match["half"])
+    is_bare = not (match["third"] or match["part"] or match["date"] or match["half"])
     written = re.sub(r"\W", "", unit.lower())
     in_minutes = written in ("mmss", "mss", "ms")
-    if alone and not in_minutes and written not in ("hhmm", "hmm", "hm"):
+    if is_bare and not in_minutes and written not in ("hhmm", "hmm", "hm"):
         return None  # it may be hours and minutes, or minutes and seconds
-    return Clock(bool(match["part"]) or (alone and in_minutes))
+    return Clock(bool(match["part"]) or (is_bare and in_minutes))
 
 
 def _day_numbers(dates):

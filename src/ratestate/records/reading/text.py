@@ -69,11 +69,11 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
         rows = [i for i in full[full.index(start) :] if i < start + LAYOUT_LINES]
         samples = [split_cells(head[i], delimiter) for i in rows]
         written = Counter(map(len, samples)).most_common(1)[0][0]
-        whole = [drop_empty_end(cells) for cells in samples if len(cells) == written]
-        width = max(map(len, whole))
+        complete = [drop_empty_end(cells) for cells in samples if len(cells) == written]
+        width = max(map(len, complete))
         header = parse_header(head[:start], delimiter, width, written)
-        decimal = _decimal_mark(path, whole) if decimal is None else decimal
-        layout = Layout(delimiter, decimal, width, _detect_clocks(whole, header))
+        decimal = _decimal_mark(path, complete) if decimal is None else decimal
+        layout = Layout(delimiter, decimal, width, _detect_clocks(complete, header))
         blocks = itertools.chain([head[start:]], blocks)
         values, numbers = _parse_blocks(blocks, layout, start, most, header, path.name)
     if header.times:
@@ -176,8 +176,8 @@ def _parse_blocks(blocks, layout, start, most, header, name):
     for lines in blocks:
         parsed, indices = parse_rows(lines, layout)
         check_headers(lines, indices[np.isfinite(parsed).any(axis=1)], layout, start, header, name)
-        here = slice(count, count + indices.size)
-        values[:, here], numbers[here] = parsed.T, indices + (start + 1)
+        columns = slice(count, count + indices.size)
+        values[:, columns], numbers[columns] = parsed.T, indices + (start + 1)
         start += len(lines)
         count += indices.size
     return values[:, :count], numbers[:count]

@@ -106,8 +106,8 @@ def plain_unit(unit):
 def _translate_unit(word):
     if word in _UNITS["names"]:
         return word
-    alike = word.islower() or word.isupper() or word.istitle() or word.startswith("K")
-    known = _BY_LOWERCASE.get(word.lower(), word) if alike else word
+    has_free_case = word.islower() or word.isupper() or word.istitle() or word.startswith("K")
+    known = _BY_LOWERCASE.get(word.lower(), word) if has_free_case else word
     return _UNIT_WORDS.get(_without_accents(word), known)
 
 
@@ -124,8 +124,8 @@ def spaced(name):
 
 
 def _without_accents(text):
-    apart = unicodedata.normalize("NFKD", text.lower())
-    return unicodedata.normalize("NFKC", re.sub("[\u0300-\u036f]", "", apart))
+    decomposed = unicodedata.normalize("NFKD", text.lower())
+    return unicodedata.normalize("NFKC", re.sub("[\u0300-\u036f]", "", decomposed))
 
 
 def match_rank(name, symbol):

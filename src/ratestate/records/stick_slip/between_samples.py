@@ -116,27 +116,27 @@ def corrected_for_spikes(t, y, middle, found, sign, noise):
     return np.array([sign * (low + 0.5 * beyond), error, time, time_error])
 
 
-def _bound(t, y, middle, away):
+def _bound(t, y, middle, direction):
     """Return the largest sample next to a fall, a bound of nearby maxima, time and its error.
 
     y : (n,) stress, with the sign for which the extreme is a maximum
     middle : first sample after the middle of the fall
-    away : -1 if the maximum is before the fall, 1 if it is after
+    direction : -1 if the maximum is before the fall, 1 if it is after
     """
-    i = middle - (away < 0)
-    while 1 < i + away < t.size - 2 and y[i + away] > y[i]:
-        i += away
+    i = middle - (direction < 0)
+    while 1 < i + direction < t.size - 2 and y[i + direction] > y[i]:
+        i += direction
     if not 2 <= i <= t.size - 3:
         return y[i], -math.inf, t[i], 0.0
-    bounds = [_crossing(t, y, i - away, away), _crossing(t, y, i, away)]
+    bounds = [_crossing(t, y, i - direction, direction), _crossing(t, y, i, direction)]
     return y[i], max(bounds), t[i], 0.5 * (t[i + 1] - t[i - 1])
 
 
-def _crossing(t, y, i, away):
+def _crossing(t, y, i, direction):
     """Return the value at which the lines on both sides of a step meet, or a bound of it."""
-    j = i + away
-    near = (y[i] - y[i - away]) / (t[i] - t[i - away])
-    far = (y[j + away] - y[j]) / (t[j + away] - t[j])
+    j = i + direction
+    near = (y[i] - y[i - direction]) / (t[i] - t[i - direction])
+    far = (y[j + direction] - y[j]) / (t[j + direction] - t[j])
     start = y[j] + far * (t[i] - t[j])  # the far line at sample i
     until = (start - y[i]) / (near - far) if near != far else math.inf
     return y[i] + near * until if 0.0 <= until / (t[j] - t[i]) <= 1.0 else max(start, y[j])

@@ -187,8 +187,8 @@ def catalogue_of(series):
     )
     variables["event_status"][2].update(flags(STATUSES))
     # whole events with one V_lp since the last event
-    whole = np.isin(status, (WHOLE, UNDERSAMPLED)) & np.isfinite(values["recurrence"][0])
-    steady_drop, V_lp = np.where(whole, drop, math.nan), values["V_lp"][0]
+    is_complete = np.isin(status, (WHOLE, UNDERSAMPLED)) & np.isfinite(values["recurrence"][0])
+    steady_drop, V_lp = np.where(is_complete, drop, math.nan), values["V_lp"][0]
     labels = {"recurrence": "the recurrence interval", "V_lp": "V_lp"}
     lines = {name: trend(values[name][0], steady_drop, V_lp, x) for name, x in labels.items()}
     columns = zip(*lines.values(), strict=True)

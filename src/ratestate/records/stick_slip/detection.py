@@ -188,21 +188,21 @@ def in_gaps(t, falls):
 
 def is_stick_slip(series, falls):
     """Return whether falls are so short or so regular that they are not noise."""
-    whole = falls[is_whole(falls)]
-    peaks, troughs = series.t[whole].T
+    entire = falls[is_whole(falls)]
+    peaks, troughs = series.t[entire].T
     starts = np.concatenate([series.t[:1], troughs[:-1]])[: peaks.size]
     # a rise begins after the last change of V_lp, to which stress responds by itself
     changes = np.append(-math.inf, series.t[1:][np.diff(series.V_lp) != 0.0])
     changed = changes[np.searchsorted(changes, peaks, side="right") - 1]
     durations, rises = troughs - peaks, peaks - np.maximum(starts, changed)
-    if len(whole) >= FEWEST and mannwhitneyu(durations, rises, alternative="less").pvalue < CHANCE:
+    if len(entire) >= FEWEST and mannwhitneyu(durations, rises, alternative="less").pvalue < CHANCE:
         return True
     intervals = np.diff(0.5 * (peaks + troughs))
-    regular = REGULAR[len(whole) >= MANY]
+    regular = REGULAR[len(entire) >= MANY]
     if intervals.size > 1 and intervals.std() < regular * intervals.mean():
         return True
-    halves = np.array([_middle_half_duration(series, *fall) for fall in whole])
-    return 0 < len(whole) < FEWEST and bool((2.0 * halves < SHORTER * rises).all())
+    halves = np.array([_middle_half_duration(series, *fall) for fall in entire])
+    return 0 < len(entire) < FEWEST and bool((2.0 * halves < SHORTER * rises).all())
 
 
 def _middle_half_duration(series, peak, trough):

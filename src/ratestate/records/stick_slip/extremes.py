@@ -194,9 +194,9 @@ def _vertices(c, C, k, sign, ends, fall):
         sides = np.abs(u - ends)[{-1: [0], 1: [1], 0: [0, 1]}[fall]]
         return u, error, inside & (SEEN * error < sides.min(axis=0))
 
-    whole = np.array([[ends[0].min()], [ends[1].max()]])
+    bounds = np.array([[ends[0].min()], [ends[1].max()]])
     mean = c.mean(axis=0, keepdims=True), C.mean(axis=0, keepdims=True) / len(c)
-    (place,), (mean_error,), (is_known,) = vertex(*mean, whole)
+    (place,), (mean_error,), (is_known,) = vertex(*mean, bounds)
     if not is_known:
         return None
     u, errors, known = vertex(c, C, ends)

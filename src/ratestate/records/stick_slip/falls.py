@@ -65,12 +65,12 @@ def measured_falls(series, falls, gaps, noise):
     gaps : (m,) whether samples are missing
     """
     # the columns are value and error of each of `NAMES`, then samples and sparse
-    whole, table = is_whole(falls), np.full((len(falls), COLUMNS), math.nan)
+    complete, table = is_whole(falls), np.full((len(falls), COLUMNS), math.nan)
     table[:, -2:] = 0.0
     for name, samples in zip(("event_start", "event_end"), falls.T, strict=True):
-        cut = ~whole & (samples >= 0)
+        cut = ~complete & (samples >= 0)
         table[cut, 2 * NAMES.index(name)] = series.t[samples[cut]]
-    spans, rows = spans_of(series, falls), np.flatnonzero(whole & ~gaps)
+    spans, rows = spans_of(series, falls), np.flatnonzero(complete & ~gaps)
     if series.V is not None:
         rate = series.K * (series.V_lp - series.V)
         for row in rows:
@@ -89,19 +89,19 @@ def spans_of(series, falls):
     return np.column_stack([last, falls, following])
 
 
-def _groups(series, spans, whole, noise):
+def _groups(series, spans, rows, noise):
     """Group rows of whole events with one V_lp and similar drops, and each other event by itself.
 
     spans : (m, 4) from `spans_of`
     """
-    if not whole.size:
+    if not rows.size:
         return []
-    t, (peaks, troughs) = series.t, spans[whole, 1:3].T
+    t, (peaks, troughs) = series.t, spans[rows, 1:3].T
     drop = series.tau[peaks] - series.tau[troughs]
     # (ignore loading that the record cuts)
-    beside = np.diff(t[spans[whole]], axis=1)[:, ::2]
-    is_end = (whole == 0) | (whole == len(spans) - 1)
-    loading = np.where(is_end, beside.max(axis=1), beside.min(axis=1))
+    loadings = np.diff(t[spans[rows]], axis=1)[:, ::2]
+    is_end = (rows == 0) | (rows == len(spans) - 1)
+    loading = np.where(is_end, loadings.max(axis=1), loadings.min(axis=1))
     speed = speed_groups(series.at(0.5 * (t[peaks] + t[troughs]), series.V_lp))
     groups = []
     for number in range(speed.max() + 1):
@@ -109,8 +109,8 @@ def _groups(series, spans, whole, noise):
         off = np.abs(drop[at] - np.median(drop[at]))
         near = off <= math.hypot(ALIKE * np.median(drop[at]), BY_NOISE * noise.sd)
         near &= loading[at] > CLOSE * np.median(loading[at])
-        groups += [whole[at[near]]] if near.any() else []
-        groups += [whole[[i]] for i in at[~near]]
+        groups += [rows[at[near]]] if near.any() else []
+        groups += [rows[[i]] for i in at[~near]]
     return groups
 
 
