@@ -94,10 +94,10 @@ def axis_of(slider, V_lp, along):
     wide = anchor * 10.0 ** np.array([-REACH, REACH])
     changes, stable = _stability(slider, V_lp, along, *wide)
     if changes:
-        which = int(np.argmin(np.abs(np.log(np.array(changes) / anchor))))
-        rises = stable == (which % 2 == 1)  # whether sliding is stable above, and not below
+        nearest = int(np.argmin(np.abs(np.log(np.array(changes) / anchor))))
+        rises = stable == (nearest % 2 == 1)  # whether sliding is stable above, and not below
         below, above = (UNSTABLE_SIDE, STABLE_SIDE) if rises else (STABLE_SIDE, UNSTABLE_SIDE)
-        low, high = changes[which] / 10.0**below, changes[which] * 10.0**above
+        low, high = changes[nearest] / 10.0**below, changes[nearest] * 10.0**above
     else:
         low, high = _rounded_decades(anchor, SIDE)
     if has_value and not low <= value <= high:

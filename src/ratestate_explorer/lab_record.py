@@ -202,10 +202,10 @@ def _arrays(record):
     """Friction, a fit if any, and the load point's speed if recorded, in time; and segments."""
     names = ("friction", "friction_fit", "V_load")
     curves = {name: record[name].values for name in names if name in record}
-    which = decimated(*curves.values())
-    arrays = {name: values[which] for name, values in curves.items()}
+    rows = decimated(*curves.values())
+    arrays = {name: values[rows] for name, values in curves.items()}
     segments = {name: record[name].values for name in ("segment_t", "segment_V")}
-    return {"time": record.time.values[which], **arrays, **segments}
+    return {"time": record.time.values[rows], **arrays, **segments}
 
 
 def _begin(record):

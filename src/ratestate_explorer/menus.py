@@ -27,7 +27,7 @@ def offers(starts):
         "fields": usual,
         "laws": menu(),
         "presets": starts,
-        "prefixes": {one.unit: one.prefixes for one in rs.QUANTITIES.values() if one.prefixes},
+        "prefixes": {q.unit: q.prefixes for q in rs.QUANTITIES.values() if q.prefixes},
         "before": BEFORE,
         "experiment": EXPERIMENT,
         "meanings": meanings(field["symbol"] for field in usual),

@@ -127,7 +127,7 @@ def escape(slider, V_lp):
     return recorded_result("escape", slider, batch, variables, VARIABLES, V_lp=V_lp)
 
 
-def _cycles_around(system, columns, which, u):
+def _cycles_around(system, columns, rows, u):
     """Return the measures `CYCLES` of these sliders, name -> (n,).
 
     As the stiffness increases the two cycles meet in a fold: the branch from the stable cycle comes
@@ -137,12 +137,12 @@ def _cycles_around(system, columns, which, u):
     u : (n, k) near the stable cycles
     """
     result = {name: np.full(len(u), np.nan) for name in CYCLES}
-    part = system.at(which)
-    attractors = find_attractors(part, state(part, u[which]), CYCLE_RTOL, None)
+    part = system.at(rows)
+    attractors = find_attractors(part, state(part, u[rows]), CYCLE_RTOL, None)
     stable = refine(part, attractors, CYCLE_RTOL)
-    result["amplitude"][which], result["period"][which] = stable["amplitude"], stable["period"]
+    result["amplitude"][rows], result["period"][rows] = stable["amplitude"], stable["period"]
     single = attractors.n_returns == 1  # as of the unstable cycle that meets it
-    for i, u_i in zip(which[single], attractors.u[single], strict=True):
+    for i, u_i in zip(rows[single], attractors.u[single], strict=True):
         values = {symbol: float(column[i]) for symbol, column in columns.items()}
         family, p = CycleFamily(system.law, values, "K", CYCLE_RTOL), np.log(values["K"])
         branch = family.branch(family.chart(u_i[None], p)[0], p, stop=p + np.log(FARTHEST_FOLD))
@@ -215,23 +215,23 @@ def _search(system, kind, largest, progress):
     n = len(kind)
     low, high = np.zeros(n), np.full(n, np.inf)
     status, u = np.full(n, STEADY_SLIDING), _nowhere(system)
-    trial, which = np.minimum(SIZES, largest[:, None]), np.arange(n)
-    while len(which):
+    trial, rows = np.minimum(SIZES, largest[:, None]), np.arange(n)
+    while len(rows):
         m = trial.shape[1]
-        part = system.at(np.repeat(which, m))
-        start = _disturbed(part, np.repeat(kind[which], m), trial.ravel())
+        part = system.at(np.repeat(rows, m))
+        start = _disturbed(part, np.repeat(kind[rows], m), trial.ravel())
         loosest = ORBIT_RTOL * np.clip(trial.ravel(), 1e-5, 1.0)
         attractors = find_attractors(part, start, RTOL, progress, loosest)
         leaves = (attractors.status != STEADY_SLIDING).reshape(-1, m)
         first, some = leaves.argmax(axis=1), leaves.any(axis=1)
-        row, inside = np.arange(len(which)), np.where(some, first, m) - 1
-        low[which] = np.where(inside < 0, low[which], trial[row, inside])
-        at, cell = which[some], row[some] * m + first[some]
+        row, inside = np.arange(len(rows)), np.where(some, first, m) - 1
+        low[rows] = np.where(inside < 0, low[rows], trial[row, inside])
+        at, cell = rows[some], row[some] * m + first[some]
         high[at], status[at] = trial[some, first[some]], attractors.status[cell]
         u[at] = attractors.u[cell]
-        which = np.flatnonzero(np.isfinite(high) & (high - low > ACCURACY * high))
-        gap = high[which] - low[which]
-        trial = low[which, None] + gap[:, None] * np.arange(1, PARTS) / PARTS
+        rows = np.flatnonzero(np.isfinite(high) & (high - low > ACCURACY * high))
+        gap = high[rows] - low[rows]
+        trial = low[rows, None] + gap[:, None] * np.arange(1, PARTS) / PARTS
     return high, status, u
 
 

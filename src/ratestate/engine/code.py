@@ -184,7 +184,7 @@ class Condition(Value):
     def select(self, x, y):
         """Return x if the condition holds, else y."""
         code, kind = self.code, result_kind(x, y)
-        sides = ", ".join(f"{code.type(kind)} {code.text(kind, one)}" for one in (x, y))
+        sides = ", ".join(f"{code.type(kind)} {code.text(kind, side)}" for side in (x, y))
         return code.write(f"select {code.type(Condition)} {self.name}, {sides}", kind)
 
 

@@ -101,11 +101,11 @@ def kernel_text(function, layout, pointer="ptr", extra=""):
 
 def _map_tuples(function, x):
     """Apply a function to x, or to each item of a tuple, at any depth."""
-    return tuple(_map_tuples(function, one) for one in x) if type(x) is tuple else function(x)
+    return tuple(_map_tuples(function, part) for part in x) if type(x) is tuple else function(x)
 
 
 def _flat(x):
-    return [one for part in x for one in _flat(part)] if type(x) is tuple else [x]
+    return [leaf for part in x for leaf in _flat(part)] if type(x) is tuple else [x]
 
 
 def _type_of(kinds):
@@ -148,8 +148,8 @@ class _Function(Code):
         self._parameters, self._slots = [program.words], []
         self._variables, self._ends, self._count = {}, [], itertools.count()
         tree: Any = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
-        for one, argument in zip(tree.args.args, arguments, strict=True):
-            self._assign(ast.Name(one.arg), _map_tuples(self._parameter, argument))
+        for parameter, argument in zip(tree.args.args, arguments, strict=True):
+            self._assign(ast.Name(parameter.arg), _map_tuples(self._parameter, argument))
         if not self._block(tree.body):
             self._exec_Return(ast.Return())
 
@@ -214,8 +214,8 @@ class _Function(Code):
         at, *others = index if type(index) is tuple else (index,)
         if len(others) + 1 != array.dimensions:
             raise IndexError(f"an index of {len(others) + 1} numbers")
-        for k, one in enumerate(others, 2):
-            at = at * self._word(array.at + k) + one
+        for k, following in enumerate(others, 2):
+            at = at * self._word(array.at + k) + following
         kind = KINDS[array.dtype]
         operands = f"ptr {self._address(array)}, {self._argument(Bits, at)}"
         return Slot(kind, self.write(f"getelementptr {kind.item}, {operands}", Value).name)
@@ -223,7 +223,7 @@ class _Function(Code):
     # Statements: each method returns True if control does not go on to the next statement
 
     def _block(self, statements):
-        return any(self._statement(one) for one in statements)
+        return any(self._statement(statement) for statement in statements)
 
     def _statement(self, node):
         try:
@@ -246,15 +246,15 @@ class _Function(Code):
 
     def _assign(self, target, value):
         if isinstance(target, ast.Tuple):
-            for one, part in zip(target.elts, value, strict=True):
-                self._assign(one, part)
+            for name, part in zip(target.elts, value, strict=True):
+                self._assign(name, part)
         elif isinstance(target, ast.Subscript):
             array, index = self._value(target.value), self._value(target.slice)
             if type(value) is not tuple:
                 return self._put(value, self._item(array, index))
             row = index if type(index) is tuple else (index,)
-            for k, one in enumerate(value):
-                self._put(one, self._item(array, (*row, k)))
+            for k, element in enumerate(value):
+                self._put(element, self._item(array, (*row, k)))
         else:
             self._variables[target.id] = self._assigned(self._variables.get(target.id), value)
 
@@ -281,8 +281,8 @@ class _Function(Code):
             self.returns = tuple(map(_kind_of, values))
         returned = f"{_type_of(self.returns)} poison"
         for i, (kind, x) in enumerate(zip(self.returns, values, strict=True)):
-            one = self.write(f"insertvalue {returned}, {self._argument(kind, x)}, {i}", Value)
-            returned = f"{_type_of(self.returns)} {one.name}"
+            struct = self.write(f"insertvalue {returned}, {self._argument(kind, x)}, {i}", Value)
+            returned = f"{_type_of(self.returns)} {struct.name}"
         self.lines.append(f"ret {returned}" if self.returns else "ret void")
         return True
 
@@ -318,7 +318,7 @@ class _Function(Code):
         self.lines.append(f"{end}:")
 
     def _exec_For(self, node):
-        bounds = [ast.unparse(one) for one in node.iter.args]
+        bounds = [ast.unparse(bound) for bound in node.iter.args]
         start, stop, step = ("0", *bounds, "1")[-3:] if len(bounds) < 3 else bounds
         i, end = (f"_{next(self._count)}" for _ in range(2))
         if node.orelse or ast.unparse(node.iter) != f"range({', '.join(bounds)})":
@@ -371,7 +371,7 @@ class _Function(Code):
         return OPERATORS[type(node.op)](x)
 
     def _eval_Compare(self, node):
-        values = [self._value(one) for one in (node.left, *node.comparators)]
+        values = [self._value(operand) for operand in (node.left, *node.comparators)]
         comparisons = zip(node.ops, values, values[1:], strict=False)
         tests = (OPERATORS[type(op)](x, y) for op, x, y in comparisons)
         return functools.reduce(operator.and_, tests)
@@ -391,7 +391,7 @@ class _Function(Code):
     def _eval_Call(self, node):
         function, arguments = self._value(node.func), tuple(map(self._value, node.args))
         if inspect.isclass(function) and issubclass(function, tuple):
-            named = {one.arg: self._value(one.value) for one in node.keywords}
+            named = {keyword.arg: self._value(keyword.value) for keyword in node.keywords}
             return tuple(function(*arguments, **named))
         if node.keywords:
             raise TypeError("arguments must be positional")
@@ -420,8 +420,8 @@ class _Function(Code):
         call = f"call {type_} @{name}({', '.join([self._program.words, *arguments_text])})"
         if not returns:
             return self.lines.append(call)
-        returned, each = f"{type_} {self.write(call, Value).name}", enumerate(returns)
-        results = tuple(self.write(f"extractvalue {returned}, {i}", one) for i, one in each)
+        returned, numbered = f"{type_} {self.write(call, Value).name}", enumerate(returns)
+        results = tuple(self.write(f"extractvalue {returned}, {i}", kind) for i, kind in numbered)
         return results[0] if len(results) == 1 else results
 
     def _call_unit(self, unit, buffer, first, last):

@@ -84,8 +84,8 @@ def _run(queues, law, taylor, progress, fields):
         for i in range(min(threads, len(queue)))
     ]
     if threads == 1:
-        for one in workers:
-            while not one.run_sweeps():
+        for runner in workers:
+            while not runner.run_sweeps():
                 _report(workers, n, progress)
         return
     stop = threading.Event()

@@ -36,7 +36,7 @@ def read_point(s, l, law, at_end=False):
     The coefficients are those at the start.  If normal stress varies, call `later` for the end.
     """
     y, w, e = rows_of_point(law, at_end)
-    y, e, p = (read_rows(s, one, l) for one in (y, e, rows_of(law).p))
+    y, e, p = (read_rows(s, part, l) for part in (y, e, rows_of(law).p))
     return Point(law, p, y, s[w + l], e, None, s[R.KAPPA + l], s[R.ETA0 + l])
 
 
@@ -57,9 +57,9 @@ def evaluate_dense_output(s, l, rows, fraction):
     """
     values, derivatives = [], []
     is_taylor = s[R.TAYLOR + l] > 0.0
-    for one in rows:
+    for coefficients in rows:
         y = dy = 0.0
-        for k, row in reversed([*enumerate(one)]):
+        for k, row in reversed([*enumerate(coefficients)]):
             c = s[row + l] if k < R.RODAS5P_TERMS else where(is_taylor, s[row + l], 0.0)
             y, dy = c + fraction * y, y + fraction * dy
         values.append(y)

@@ -123,7 +123,7 @@ def drift_of(start, h, ramp):
     """
     psi = times(h, start.f_drift)
     of_v = times(-h, start.N_drift)
-    of_v = tuple(minus_dot(one, times(start.m, start.omega_by_psi), psi) for one in of_v)
+    of_v = tuple(minus_dot(column, times(start.m, start.omega_by_psi), psi) for column in of_v)
     return (h * start.kappa * ramp,), of_v, psi
 
 

@@ -174,13 +174,13 @@ def write_rows(s, rows, l, values):
 
 def load_each(s, rows, l):
     """Return the numbers in tuples of rows of lane l."""
-    return tuple(read_rows(s, one, l) for one in rows)
+    return tuple(read_rows(s, group, l) for group in rows)
 
 
 def store_each(s, rows, l, values):
     """Write tuples of values into tuples of rows of lane l."""
-    for one, numbers in zip(rows, values, strict=True):
-        write_rows(s, one, l, numbers)
+    for group, numbers in zip(rows, values, strict=True):
+        write_rows(s, group, l, numbers)
 
 
 # The control calls a law's units (units.py) by these functions.  In compiled code a unit is an

@@ -77,8 +77,8 @@ def variational_coefficients(start, z):
     """
     values, n = _values(start, 1.0), len(start.y)
     perturbations, derivatives, trace = variational_equations(start.law)
-    for symbols, one in zip(perturbations, z, strict=True):
-        values |= zip(symbols, one, strict=True)
+    for symbols, numbers in zip(perturbations, z, strict=True):
+        values |= zip(symbols, numbers, strict=True)
     series, (trace_series,) = expand(derivatives, [trace], ORDER, values)
     return series[:n], series[n:], trace_series
 
@@ -122,7 +122,7 @@ def powers(h):
 def integrals(c, h):
     """Return the means of polynomials over a step; h : `powers` of its length."""
     weights = product(INTEGRAL_WEIGHTS, h)
-    return tuple(pairwise_sum(product(one, weights)) for one in c)
+    return tuple(pairwise_sum(product(row, weights)) for row in c)
 
 
 # Loops over lanes
@@ -141,7 +141,7 @@ def momentum_of(s, l):
 
 def step_lengths(s, l, c):
     """Return the longest accurate step, by coefficients c, and the longest stable."""
-    last, previous = (norm([one[k] for one in c], momentum_of(s, l)) for k in (ORDER, ORDER - 1))
+    last, previous = (norm([row[k] for row in c], momentum_of(s, l)) for k in (ORDER, ORDER - 1))
     return step_length(last, previous, s[R.TOLERANCE + l]), STABLE / s[R.RATE + l]
 
 
@@ -153,7 +153,7 @@ def store_step(s, l, start, h, h_powers, c, lengths, other_sum):
     other_sum : sum of all other results of the step, to test that they are finite
     """
     accurate, stable = lengths
-    dense = tuple(product(one, h_powers) for one in c)
+    dense = tuple(product(row, h_powers) for row in c)
     store_each(s, rows_of(start.law).c, l, dense)
     end = start.at(tuple(map(pairwise_sum, dense)))
     L.write_point(s, l, end, True)

@@ -124,7 +124,7 @@ def v_extremes(s, l, law):
     if not law.reverses:
         return order
     p = read_rows(s, rows_of(law).p, l)
-    return tuple(law.v_at(one, psi, p) for one in order)
+    return tuple(law.v_at(v, psi, p) for v in order)
 
 
 # Units for varying normal stress
@@ -186,7 +186,7 @@ def move_to_section(s, l, law):
 
 def v_changes(at, z):
     """Return the change by each perturbation z of v at psi = 0 and the same speed."""
-    return times(at.reference_v_slope, tuple(at.in_omega(one)[1] for one in z))
+    return times(at.reference_v_slope, tuple(at.in_omega(change)[1] for change in z))
 
 
 def speed_derivatives(s, l, law, fraction):

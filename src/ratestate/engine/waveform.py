@@ -62,9 +62,9 @@ def means(c, start, h):
     sums = [0.0] * 4
     for node, weight in gauss_legendre(len(c) // TERMS_OF_NODE + 1):
         x = c[-1]
-        for one in c[-2::-1]:
-            x = one + node * x
+        for coefficient in c[-2::-1]:
+            x = coefficient + node * x
         phase, weighted = start + node * h, weight * x
         terms = weighted, weighted * x, weighted * cosine(phase), weighted * sine(phase)
-        sums = [one + term for one, term in zip(sums, terms, strict=True)]
+        sums = [partial + term for partial, term in zip(sums, terms, strict=True)]
     return tuple(sums)

@@ -64,13 +64,13 @@ def _columns(name, variable):
     unit = "" if unit == "1" else f" [{unit}]"
     across = [dim for dim in variable.dims if dim in ACROSS]
     for index in itertools.product(*(range(variable.sizes[dim]) for dim in across)):
-        one = variable.isel(dict(zip(across, index, strict=True)))
+        column = variable.isel(dict(zip(across, index, strict=True)))
         label = name + "".join(f"[{i}]" for i in index)
-        if one.dtype.kind == "c":
+        if column.dtype.kind == "c":
             for part, (_, part_of) in PARTS.items():
-                yield f"{label}.{part}{unit}", one.copy(data=part_of(one.values))
+                yield f"{label}.{part}{unit}", column.copy(data=part_of(column.values))
         else:
-            yield label + unit, one
+            yield label + unit, column
 
 
 def laboratory_csv(data, dim, units=None):
@@ -103,7 +103,7 @@ def laboratory_csv(data, dim, units=None):
     import pandas
 
     data, units = in_si(data), dict(units or {})
-    names = [name for name, one in data.variables.items() if one.dims == (dim,)]
+    names = [name for name, variable in data.variables.items() if variable.dims == (dim,)]
     if not names:
         raise ParameterError(f"there is no variable along {dim!r}", one_of(data.sizes))
     for name in units:
@@ -132,7 +132,7 @@ def _column(name, variable, units):
         texts = [meanings[code].replace("_", " ") for code in variable.values.tolist()]
         return heading, texts, "", 1.0
     if variable.dtype.kind not in "fiu":
-        texts = [BETWEEN_LINES.join(str(one).splitlines()) for one in variable.values.tolist()]
+        texts = [BETWEEN_LINES.join(str(value).splitlines()) for value in variable.values.tolist()]
         return heading, texts, "", 1.0
     si = QUANTITIES[name].unit if name in QUANTITIES else str(variable.attrs.get("units", "1"))
     try:

@@ -140,8 +140,8 @@ def _is_replaceable(path):
         names = json.loads(json.loads((path / METADATA).read_text())["attributes"][DIGESTS])
     except (OSError, ValueError, KeyError, TypeError):
         return False
-    files = (one for one in path.rglob("*") if one.is_symlink() or not one.is_dir())
-    return all(_is_of_result(one.relative_to(path).parts, names) for one in files)
+    files = (file for file in path.rglob("*") if file.is_symlink() or not file.is_dir())
+    return all(_is_of_result(file.relative_to(path).parts, names) for file in files)
 
 
 def _is_of_result(parts, names):

@@ -26,7 +26,7 @@ def read_netcdf(path):
     import xarray
 
     variables, attrs = read_isolated(raw_netcdf, path, "a result")
-    plain = {name: xarray.Variable(*one) for name, one in variables.items()}
+    plain = {name: xarray.Variable(*parts) for name, parts in variables.items()}
     return joined(xarray.decode_cf(xarray.Dataset(plain, attrs=attrs)).load())
 
 
@@ -77,9 +77,9 @@ def _checked(path, parts):
         recorded = {}
     names = sorted(name for name in {*recorded, *found} if recorded.get(name) != found.get(name))
     if names:
-        where = ", ".join(f"variable {name}" if name else "its attributes" for name in names)
+        damaged = ", ".join(f"variable {name}" if name else "its attributes" for name in names)
         raise ParameterError(
-            f"{path} is damaged, or another program has changed it, in {where}",
+            f"{path} is damaged, or another program has changed it, in {damaged}",
             "Put it back from a copy. If the change is meant, delete the attribute "
             f"{DIGESTS} of the file.",
         )
@@ -134,7 +134,7 @@ def _parts_of_zarr(path):
 
     options: Any = {"chunks": None, "decode_cf": False, "consolidated": False, "zarr_format": 3}
     with xarray.open_zarr(path, **options) as raw:
-        parts = {name: (one.dims, one.values, one.attrs) for name, one in raw.variables.items()}
+        parts = {name: (v.dims, v.values, v.attrs) for name, v in raw.variables.items()}
         return parts | {OWN: ((), np.empty(0), raw.attrs)}
 
 
@@ -152,7 +152,7 @@ def read_zarr(path):
         with reading(path):
             return python_text(open_result(path).load())
     variables, attrs = _checked(path, _parts_of_zarr(path))
-    plain = {name: xarray.Variable(*one) for name, one in variables.items()}
+    plain = {name: xarray.Variable(*parts) for name, parts in variables.items()}
     return python_text(xarray.decode_cf(xarray.Dataset(plain, attrs=attrs)).load())
 
 

@@ -120,10 +120,10 @@ def lyapunov_1_of_law(law, p, kappa, eta, omega):
         return eta * L * v + S_v * v - r[1] + dot(S_psi, psi), v, *psi
 
     L = 1j * _extended(omega).astype(np.clongdouble)
-    one = np.ones_like(L)
+    ones = np.ones_like(L)
     # eigenvectors of A and of its transpose; `left` multiplies vectors with v elements times eta
-    q = (-kappa / L, one, *(f / (L - g) for f, g in zip(f_v, f_psi, strict=True)))
-    left = (one / L, one, *(-S / (L - g) for S, g in zip(S_psi, f_psi, strict=True)))
+    q = (-kappa / L, ones, *(f / (L - g) for f, g in zip(f_v, f_psi, strict=True)))
+    left = (ones / L, ones, *(-S / (L - g) for S, g in zip(S_psi, f_psi, strict=True)))
     norm = left[0] * q[0] + eta + dot(left[2:], q[2:])
     q_ = tuple(np.conj(x) for x in q)
     terms = (

@@ -53,8 +53,8 @@ def steady_problem(at):
     """Return the problem with a user's law or friction in steady sliding, "" if none."""
     law = at.law
     if HASH_MARK in law.name and all(np.all(np.isfinite(x)) for x in at.p):
-        for name, one in zip(law.states, at.psi, strict=True):
-            if not np.all(np.isfinite(one)):
+        for name, psi in zip(law.states, at.psi, strict=True):
+            if not np.all(np.isfinite(psi)):
                 return f"{name} has no steady value"
         for name, slope in zip(law.states, at.f_slopes[1], strict=True):
             if not np.all(slope < 0.0):

@@ -138,7 +138,7 @@ def make_user_law(kind):
         )
     try:
         _check_states(law)
-        quantities = {symbol: (one.unit, one.bound) for symbol, one in law.parameters.items()}
+        quantities = {symbol: (spec.unit, spec.bound) for symbol, spec in law.parameters.items()}
         content = f"{law.form} {dict(law.states)} {quantities}\n{law.equations.text}"
     except USER_ERRORS as error:
         raise ParameterError(describe_error(name, law, error)) from error
@@ -281,10 +281,10 @@ def _check_steady(name, V, rate):
             f"V {name}/D from 2e-9 to 1e9. Correct evolution, or the examples of parameters.",
             "evolution",
         )
-    where = " and ".join(f"{np.exp(ages[k]):.3g}" for k in at)
+    ages_text = " and ".join(f"{np.exp(ages[k]):.3g}" for k in at)
     problem = "several steady values" if len(at) > 1 else "an unstable steady value"
     raise FormulaError(
-        f"{name} has {problem} at V = {V:.3g} m/s: V {name}/D near {where}. It needs "
+        f"{name} has {problem} at V = {V:.3g} m/s: V {name}/D near {ages_text}. It needs "
         f"exactly one, which {name} approaches.",
         "evolution",
     )

@@ -64,7 +64,7 @@ def check_keywords(caller, given, names):
 def keywords_checked(function):
     """Wrap a function: mistyped and missing arguments raise ParameterError, not TypeError."""
     names = inspect.signature(function).parameters
-    required = [name for name, one in names.items() if one.default is one.empty]
+    required = [name for name, parameter in names.items() if parameter.default is parameter.empty]
 
     @functools.wraps(function)
     def checked(*args, **keywords):

@@ -108,7 +108,7 @@ def _check_names(law, base_name):
         if quantity.unit not in KINDS or quantity.bound not in ("", "> 0", ">= 0"):
             known = ", ".join(KINDS)
             raise refusal("law.quantity", symbol=symbol, quantity=quantity, units=known)
-    known = {state for one in laws.LAWS.values() for state in one.states}
+    known = {state for other in laws.LAWS.values() for state in other.states}
     for state, (_, distance) in law.states.items():
         if not _is_allowed_name(state) or (state in QUANTITIES and state not in known):
             raise refusal("law.state", state=state)

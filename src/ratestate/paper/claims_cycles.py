@@ -94,8 +94,9 @@ def _apart(sliders, sweeps):
     """Return what such friction changes: relative amplitude, and the smallest V/V_lp."""
     turned = [_turned(slider, TIGHT) for slider in sliders]
     pairs = zip(turned, sweeps, strict=True)
-    apart = [abs(float(one.amplitude / all_.amplitude[-1]) - 1.0) for one, all_ in pairs]
-    return {"apart": max(apart), "slowest": min(float(one.V_min) for one in turned) / SWEEP[-1]}
+    changes = [abs(float(cycle.amplitude / sweep.amplitude[-1]) - 1.0) for cycle, sweep in pairs]
+    slowest = min(float(cycle.V_min) for cycle in turned)
+    return {"apart": max(changes), "slowest": slowest / SWEEP[-1]}
 
 
 def _fastest(slider):
@@ -200,7 +201,7 @@ def _conclusions(slider):
 
     return {
         "inertia_destabilises": exact(
-            *(growth(one, FIG2_SPEEDS[-1]) for one in (slider.replace(M=0.0), slider))
+            *(growth(case, FIG2_SPEEDS[-1]) for case in (slider.replace(M=0.0), slider))
         ),
         "any_stiffness": exact(*(growth(s, 1.01 * s.V_c) / s.V_c * s.Dc for s in stiff)),
         "weakening_needed": exact(

@@ -55,7 +55,7 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
         return run[x] - (run[x][0] if x == "delta" else 0.0)
 
     factor, unit = prefixed(
-        QUANTITIES[x].unit, max(float(abs(along(one.run)).max()) for one in runs)
+        QUANTITIES[x].unit, max(float(abs(along(named.run)).max()) for named in runs)
     )
 
     def draw(run, values, style):
@@ -66,7 +66,7 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
 
     first_run = runs[0].run
     if len(runs) > 1:
-        lines = tuple(stress(one.run, {"label": one.name} | one.line) for one in runs)
+        lines = tuple(stress(named.run, {"label": named.name} | named.line) for named in runs)
         ylabel = STRESS
         ax.legend()
     elif parameter(first_run, "M") == 0.0 and parameter(first_run, "damping") == 0.0:

@@ -128,7 +128,7 @@ def _differences(runs):
     """What tells runs apart: law, parameters, last speed of the load point; or their numbers."""
     parts: list[list[str]] = [[] for _ in runs]
     parameters = [slider_parameters(run) for run in runs]
-    shared = [symbol for symbol in parameters[0] if all(symbol in one for one in parameters)]
+    shared = [symbol for symbol in parameters[0] if all(symbol in of_run for of_run in parameters)]
     shared = [symbol for symbol in shared if symbol not in ("law", *OPTIONAL)]
     for symbol in ("law", *shared, "friction_form", "damping", "alpha", "V_lp"):
         values = [
@@ -151,9 +151,9 @@ def _styles(runs):
 
 def speed(runs, ax):
     """Slip velocities and load-point velocities of `NamedRun` against time."""
-    factor, unit = prefixed("s", max(float(one.run.time.max()) for one in runs))
+    factor, unit = prefixed("s", max(float(named.run.time.max()) for named in runs))
     scale = _speed_axis(runs, ax)
-    loads = {(t.tobytes(), V.tobytes()): (t, V) for t, V in (_load(one.run) for one in runs)}
+    loads = {(t.tobytes(), V.tobytes()): (t, V) for t, V in (_load(named.run) for named in runs)}
     for i, (t, load) in enumerate(loads.values()):
         name = "_" if i else "load point"
         ax.plot(factor * t, scale * load, color=GRAY, lw=1.0, ls="--", label=name)
@@ -165,7 +165,7 @@ def speed(runs, ax):
 
 def _speed_axis(runs, ax):
     """An axis for the speeds, logarithmic if that pays; the factor from SI to its unit."""
-    V = np.concatenate([one.run.V.values for one in runs])
+    V = np.concatenate([named.run.V.values for named in runs])
     factor, unit = prefixed("m/s", float(np.nanmax(V)))
     ax.set_ylabel(f"$V$ [{unit}]")
     if is_wide(V):
@@ -198,7 +198,7 @@ def plane(runs, ax, *, named=False):
         ax.plot(run.tau / normal_stress(run), scale * run.V, label=shown, **THIN | line)
     show_constant(ax)
     low, high = ax.get_xlim()
-    speeds = np.concatenate([one.run.V.values for one in runs])
+    speeds = np.concatenate([case.run.V.values for case in runs])
     forward = speeds[speeds > 0.0]  # steady sliding is
     V = np.geomspace(forward.min(), forward.max(), 50)
     steady, crosses = {}, set()

@@ -197,11 +197,11 @@ def _stored_segments(data, end):
     if not any(name in data.variables for name in names):
         return None
     stored = [data[name].values for name in names if name in data.variables]
-    usable = all(one.ndim == 1 and one.size and one.dtype.kind in "iuf" for one in stored)
+    usable = all(array.ndim == 1 and array.size and array.dtype.kind in "iuf" for array in stored)
     usable = usable and len(stored) == 2 and bool(np.isfinite(stored).all())
     if not usable or (np.diff(stored[0]) <= 0.0).any():
         raise sentences.refusal("load_point.altered")
-    t, V = (one.astype(float) for one in stored)
+    t, V = (array.astype(float) for array in stored)
     t_error, V_error = (np.asarray(data.get(f"{s}_error", 0.0 * t), float) for s in names)
     return Segments(t, V, end, t_error, V_error)
 

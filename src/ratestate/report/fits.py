@@ -164,9 +164,9 @@ def _table(laws: Laws) -> TextTable:
     for law in laws:
         columns += [Heading(f"{law} law"), Heading("68 % interval", may_go=True, joined=True)]
         columns.append(Heading("95 % interval", joined=True))
-    for one in estimates(laws):
-        label = name_of(one.symbol, laws) + (f" [{one.unit}]" if one.unit else "")
-        rows.append([label, *(text for cells in one.texts for text in cells), one.meaning])
+    for row in estimates(laws):
+        label = name_of(row.symbol, laws) + (f" [{row.unit}]" if row.unit else "")
+        rows.append([label, *(text for cells in row.texts for text in cells), row.meaning])
     return TextTable([*columns, left("", may_go=True)], rows, splits=True)
 
 

@@ -83,16 +83,16 @@ def _ranges(result: xarray.Dataset, function: str, units: Units) -> TextTable:
         rows.append([name, *(cell for at in ends for cell in _value_and_place(values, at, units))])
     place_of_it = left("at", joined=True)
     heads = [left()]
-    heads += [one for end in ("smallest", "largest") for one in (Heading(end), place_of_it)]
+    heads += [heading for end in ("smallest", "largest") for heading in (Heading(end), place_of_it)]
     return TextTable(heads, rows, splits=True)
 
 
 def _value_and_place(values: xarray.DataArray, at: dict[Any, Any], units: Units) -> tuple[str, str]:
-    one = values.isel(at)
-    where = {dim: one[dim].item() if dim in one.coords else int(at[dim]) for dim in at}
-    name, x = str(values.name), float(one)
+    value = values.isel(at)
+    coordinates = {dim: value[dim].item() if dim in value.coords else int(at[dim]) for dim in at}
+    name, x = str(values.name), float(value)
     text = ANY_SPEED.get(x) if name == "V_c" else None
-    return text or value_text(name, x, units), place(where, units)
+    return text or value_text(name, x, units), place(coordinates, units)
 
 
 def failed_lines(result: xarray.Dataset, units: Units) -> list[str]:
@@ -100,7 +100,7 @@ def failed_lines(result: xarray.Dataset, units: Units) -> list[str]:
     from ..sweeps.status import failures
 
     first, number = failures(result, most=FAILED_LISTED)
-    lines = [f"  {place(where, units)}: {name}: {message}" for where, name, message in first]
+    lines = [f"  {place(index, units)}: {name}: {message}" for index, name, message in first]
     return lines + ([f"  and {number - len(first)} more"] if number > len(first) else [])
 
 

@@ -209,10 +209,10 @@ def _special_points(result: xarray.Dataset, symbol: str, stable: Any, units: Uni
     rows = []
     after = [*("stable" if holds else "unstable" for holds in stable[1:]), ""]
     for i in np.flatnonzero(result.special.values != ""):
-        one = result.isel(point=i)
-        numbers = (value_text(name, float(one[name]), units) for name in (symbol, *OF_POINTS))
-        multiplier = readable_multiplier(complex(one.multipliers[0]))
-        name = str(one.special.item()).replace("_", " ")
+        point = result.isel(point=i)
+        numbers = (value_text(name, float(point[name]), units) for name in (symbol, *OF_POINTS))
+        multiplier = readable_multiplier(complex(point.multipliers[0]))
+        name = str(point.special.item()).replace("_", " ")
         rows.append([name, *numbers, multiplier, after[i]])
     heads = [symbol, *OF_POINTS, "multiplier"]
     columns = [*map(Heading, heads), left("cycles\nafter it")]
@@ -252,10 +252,10 @@ def _gains(
     heads = ["frequency", *(head for name in OUTPUTS.values() for head in (name, "phase"))]
     rows = []
     for i, frequency in enumerate(result.frequency.values):
-        one = result.isel(frequency=i)
+        response = result.isel(frequency=i)
         cells = [value_text("frequency", float(frequency), units, FEW_DIGITS)]
         for out, factor in factors.items():
-            gain, phase = (float(one[f"{out}_by_{given}_{x}"]) for x in ("gain", "phase"))
+            gain, phase = (float(response[f"{out}_by_{given}_{x}"]) for x in ("gain", "phase"))
             cells += [f"{gain * factor:.{FEW_DIGITS}g}", f"{np.degrees(phase):.1f}"]
         rows.append(cells)
     return TextTable([*map(Heading, heads)], rows)

@@ -106,7 +106,8 @@ def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
         _refuse_arrays("the amplitude of a sinusoid", values["amplitude"])
         speeds, more = [values["V_lp"]], {"sinusoid": _table(first)}
     else:
-        speeds = [one["V_lp"] for one in (values, *(x.arguments for x in events)) if "V_lp" in one]
+        given = values, *(event.arguments for event in events)
+        speeds = [arguments["V_lp"] for arguments in given if "V_lp" in arguments]
         if any(map(is_array, speeds[:-1])):
             raise ParameterError(
                 "a scenario file can sweep only the last speed of a loading", AS_PYTHON

@@ -149,8 +149,8 @@ def _parse(text: bytes, name: str) -> dict[str, Any]:
     except RecursionError:
         what = message("file.deep_brackets")
     except tomllib.TOMLDecodeError as error:
-        reason, _, where = str(error).partition(" (at ")
-        number = re.match(r"line (\d+)", where)
+        reason, _, position = str(error).partition(" (at ")
+        number = re.match(r"line (\d+)", position)
         lines = (text if number else text.rstrip()).decode().split("\n")
         k = int(number[1]) if number else len(lines)  # else it is the end of the document
         what = message("file.broken", given=lines[k - 1].strip(), line=k, what=reason)

@@ -127,8 +127,8 @@ def loading_table(
         if key != "sinusoid":
             loading.calls += calls
         elif calls and not loading.is_record:
-            where, wave = calls[0]
-            loading.calls = [(where, Call("sinusoid", {"V_lp": V} | wave.arguments))]
+            wave_place, wave = calls[0]
+            loading.calls = [(wave_place, Call("sinusoid", {"V_lp": V} | wave.arguments))]
     loading.is_sound = len(problems) == before
     return loading
 
@@ -152,27 +152,27 @@ def _steps(key: str, steps: Any, place: Place, area: dict[str, Any]) -> list[tup
         return []
     calls = []
     for i, step in enumerate(steps):
-        where, before = place.at(i), len(place.problems)
-        values = known.read(step, where)
+        step_place, before = place.at(i), len(place.problems)
+        values = known.read(step, step_place)
         if values is None:
             continue
         kind = "hold" if "hold" in values else "ramp" if "ramp" in values else "step"
         if "t" not in values:
-            where.missing("t")
+            step_place.missing("t")
         if kind == "hold":
             for beside in {"V_lp", "ramp"} & values.keys():
-                where.at(beside).add("steps.beside_hold", like=known.like)
+                step_place.at(beside).add("steps.beside_hold", like=known.like)
         elif symbol not in values:
             of_speed = message("steps.speed_wanted", wanted=QUANTITIES["V_lp"].remedy)
-            where.missing(symbol, of_speed if symbol == "V_lp" else "")
-        _divide_force(values, "sigma", where, area)
+            step_place.missing(symbol, of_speed if symbol == "V_lp" else "")
+        _divide_force(values, "sigma", step_place, area)
         if len(place.problems) == before:
             order = ("t", "V_lp", "sigma", kind)
             arguments = {
                 "duration" if key == kind else key: values[key] for key in order if key in values
             }
             method = f"sigma_{kind}" if symbol == "sigma" else kind
-            calls.append((where, Call(method, arguments)))
+            calls.append((step_place, Call(method, arguments)))
     return calls
 
 
@@ -242,8 +242,8 @@ def _from_file(
     bad = [(row, x) for x in columns for row in np.flatnonzero(~np.isfinite(x.values)).tolist()]
     if len(place.problems) == before:
         for row, x in bad[:MOST_CELLS]:
-            where = {"row": table.row_label(row), "column": x.title}
-            at.add("record.no_number", cell=table.cell(row, x), **where)
+            position = {"row": table.row_label(row), "column": x.title}
+            at.add("record.no_number", cell=table.cell(row, x), **position)
         if len(bad) > MOST_CELLS:
             at.add("record.more_no_numbers", n=len(bad) - MOST_CELLS)
     if len(place.problems) > before:

@@ -173,7 +173,7 @@ def origin(device):
     of target and processor, the features that code may use, and the GPU.
     """
     target, cpu, features = this_processor()
-    used = {f"feature {one[1:]}": "used" for one in features.split(",") if one.startswith("+")}
+    used = {f"feature {text[1:]}": "used" for text in features.split(",") if text[:1] == "+"}
     gpu = {} if device == "cpu" else {"gpu": gpu_name()}
     return {
         "versions": json.loads(versions()),

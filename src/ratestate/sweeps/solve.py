@@ -111,14 +111,15 @@ def crashed_variables(call, specs, message):
 def concatenate(parts, dim):
     """Return the variables of a list of two parts of a sweep, adjacent along dim."""
     joined = {}
-    for name, one in parts[0].items():
+    for name, variable in parts[0].items():
         other = parts[1][name]
-        if dim in one.dims:
-            joined[name] = xarray.Variable.concat([one, other], dim)
-        elif one.dtype.kind in "fc":  # common to both: from the part that has an answer
-            joined[name] = one.copy(data=np.where(np.isnan(one.values), other.values, one.values))
+        if dim in variable.dims:
+            joined[name] = xarray.Variable.concat([variable, other], dim)
+        elif variable.dtype.kind in "fc":  # common to both: from the part that has an answer
+            values = variable.values
+            joined[name] = variable.copy(data=np.where(np.isnan(values), other.values, values))
         else:
-            joined[name] = one
+            joined[name] = variable
     return joined
 
 

@@ -161,7 +161,7 @@ def refuse_zarr_2(path):
     with contextlib.suppress(OSError, ValueError):  # it is not there, or damaged
         text = (path / METADATA).read_text()
         json.loads(text, object_hook=lambda node: formats.append(node.get("zarr_format", 3)))
-    if any(one != 3 for one in formats):
+    if any(number != 3 for number in formats):
         raise StoreError(sentence("store.zarr_2", path=path))
 
 

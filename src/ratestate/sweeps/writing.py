@@ -86,9 +86,9 @@ def create(path, request, chunks):
 
 
 def _clear(folder):
-    for one in folder.iterdir():
-        if one.is_dir():
-            shutil.rmtree(one)
+    for path in folder.iterdir():
+        if path.is_dir():
+            shutil.rmtree(path)
 
 
 def _contents(request, chunks):
@@ -160,7 +160,7 @@ def write(store, i, variables):
 
 def _sync(top, files):
     """Have the system write files, and their folders up to `top`, to the disk."""
-    folders = {one for file in files for one in file.parents if one.is_relative_to(top)}
+    folders = {folder for file in files for folder in file.parents if folder.is_relative_to(top)}
     for file in {*files, *folders}:
         handle = os.open(file, os.O_RDONLY)
         try:

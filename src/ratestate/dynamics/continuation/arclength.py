@@ -164,8 +164,8 @@ class _Course(NamedTuple):
             reached = []
             for name, end in self.ends.items():
                 if end.distance(point) <= 0 < end.distance(last):
-                    where = locate(self.problem, last, point, end.distance, weights)
-                    reached.append((where, name))
+                    found = locate(self.problem, last, point, end.distance, weights)
+                    reached.append((found, name))
                 elif point is b and end.distance(b) <= min(0, end.distance(last)):
                     raise StepFailed(name)  # the branch began beyond this end
             if reached:

@@ -74,17 +74,17 @@ def folds(law, beta, eta):
     """
     beta, eta = np.broadcast_arrays(np.asarray(beta, float), np.asarray(eta, float))
     curvatures = law_curvatures(law)
-    which = np.flatnonzero(eta >= LEAST_ETA)
+    rows = np.flatnonzero(eta >= LEAST_ETA)
     top = np.full((len(SizedCycles._fields), len(eta)), np.nan)
-    b1 = beta[which] - 1.0
-    linear = linearisation(friction_law(law), (beta[which],))
-    slope, _ = growth_slopes(linear, b1 * (1.0 + eta[which]), eta[which], np.sqrt(b1))
-    curvature = -lyapunov_1(eta[which], b1, *curvatures)[0] / slope
-    brackets = _bracket_maximum(law, beta[which], eta[which], curvature)
+    b1 = beta[rows] - 1.0
+    linear = linearisation(friction_law(law), (beta[rows],))
+    slope, _ = growth_slopes(linear, b1 * (1.0 + eta[rows]), eta[rows], np.sqrt(b1))
+    curvature = -lyapunov_1(eta[rows], b1, *curvatures)[0] / slope
+    brackets = _bracket_maximum(law, beta[rows], eta[rows], curvature)
     folding = np.isfinite(brackets[0].psi)
-    which = which[folding]
+    rows = rows[folding]
     left, right = (SizedCycles(*np.array(side)[:, folding]) for side in brackets)
-    top[:, which] = _maximum(law, beta[which], eta[which], left, right)
+    top[:, rows] = _maximum(law, beta[rows], eta[rows], left, right)
     psi, G, excess = np.where(top[2] > LEAST_EXCESS, top[:3], np.nan)
     kappa = (beta - 1.0) * (1.0 + eta) * (1.0 + excess)
     return Folds(kappa, np.stack([psi, G], axis=1))

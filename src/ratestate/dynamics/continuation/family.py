@@ -267,9 +267,9 @@ def _as_followed(family, points, special, exact):
     p = np.array([point.p for point in points])
     k = len(family.smallest)
     U = np.array([point.u for point in points]).reshape(-1, k)
-    scale, one = family.smallest + np.abs(U), np.ones(len(p))
+    scale, ones = family.smallest + np.abs(U), np.ones(len(p))
     direction = np.array([point.tangent for point in points]).reshape(-1, k + 1)
-    direction = direction / np.column_stack([scale, one])
+    direction = direction / np.column_stack([scale, ones])
     curvature = np.zeros(len(p))
     if len(p) > 1:  # over both neighbours, of which one may be all but the same point
         position = np.column_stack([U / scale, p])
@@ -280,7 +280,7 @@ def _as_followed(family, points, special, exact):
     last = family.tolerance(u, p)
     scale[:, -1] /= _scale(family.system(p))
     fixed_p = np.isin(special, list(exact))
-    shape = _Shape(np.column_stack([scale, one]), direction, curvature, fixed_p)
+    shape = _Shape(np.column_stack([scale, ones]), direction, curvature, fixed_p)
     for name, value in exact.items():
         parameter[special == name] = value
     tol = np.maximum(FINER * last, tightest(family.sliders(parameter), u))

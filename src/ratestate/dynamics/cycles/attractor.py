@@ -71,9 +71,9 @@ class CycleEstimates(NamedTuple):
     error: np.ndarray  # (n,) estimated relative error if known, as of a small cycle; else 0
     n_returns: np.ndarray  # (n,) how many returns make the period
 
-    def at(self, which):
-        """Return the sliders with these numbers, or where `which` is True."""
-        return select(self, which)
+    def at(self, rows):
+        """Return the sliders with these numbers, or where `rows` is True."""
+        return select(self, rows)
 
 
 def single_returns(u, tol, period, error=0.0, status=FINISHED):
@@ -141,15 +141,15 @@ def find_attractors(system, start, rtol, progress, loosest=LOOSEST):
 
 def _halve_periods(system, estimates):
     """Halve the returns of a cycle as long as it closes after half of them already."""
-    which = np.flatnonzero((estimates.status == FINISHED) & (estimates.n_returns > 1))
-    while len(which):
-        part, cycles = system.at(which), estimates.at(which)
+    rows = np.flatnonzero((estimates.status == FINISHED) & (estimates.n_returns > 1))
+    while len(rows):
+        part, cycles = system.at(rows), estimates.at(rows)
         half = iterated_map(part, cycles.u, cycles.tol, cycles.n_returns // 2)
         closes = distance(part, half.image - cycles.u) <= CLOSES * distance(part, cycles.u)
-        which = which[closes]
-        estimates.n_returns[which] //= 2
-        estimates.period[which] *= 0.5
-        which = which[estimates.n_returns[which] > 1]
+        rows = rows[closes]
+        estimates.n_returns[rows] //= 2
+        estimates.period[rows] *= 0.5
+        rows = rows[estimates.n_returns[rows] > 1]
 
 
 def _finish_at_rest(system, estimates, active, r):
@@ -157,26 +157,26 @@ def _finish_at_rest(system, estimates, active, r):
 
     Beside stable sliding, only unstable cycles are that small; an orbit inside them spirals in.
     """
-    which, r = active[r < STEADY], r[r < STEADY]
-    if len(which):
-        part = system.at(which)
+    rows, r = active[r < STEADY], r[r < STEADY]
+    if len(rows):
+        part = system.at(rows)
         inside = (part.margin > hopf_curvature(part) * r**2) | (r < SMALLEST)
-        estimates.status[which[inside]] = STEADY_SLIDING
+        estimates.status[rows[inside]] = STEADY_SLIDING
 
 
-def _finish_on_small_cycles(system, estimates, which):
+def _finish_on_small_cycles(system, estimates, rows):
     """Put those small cycles of these sliders that harmonic balance finds into the estimates."""
-    if not (len(which) and system.friction_law.one_length):
+    if not (len(rows) and system.friction_law.one_length):
         return
-    part = system.at(which)
+    part = system.at(rows)
     cycles = small_cycle(part.law, part.kappa, part.beta, part.eta)
     near = cycles.valid & (cycles.r < 2.0 * SMALL)
-    which, cycles = which[near], select(cycles, near)
-    estimates.status[which] = FINISHED
-    estimates.u[which] = np.stack([cycles.psi, cycles.G], axis=1)
-    estimates.period[which] = 2.0 * np.pi / cycles.omega
-    estimates.error[which] = cycles.error
-    estimates.tol[which] = tightest(system.at(which), estimates.u[which])
+    rows, cycles = rows[near], select(cycles, near)
+    estimates.status[rows] = FINISHED
+    estimates.u[rows] = np.stack([cycles.psi, cycles.G], axis=1)
+    estimates.period[rows] = 2.0 * np.pi / cycles.omega
+    estimates.error[rows] = cycles.error
+    estimates.tol[rows] = tightest(system.at(rows), estimates.u[rows])
 
 
 # One step of the search

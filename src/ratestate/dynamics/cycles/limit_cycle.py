@@ -198,19 +198,19 @@ class LimitCycleCall(CheckedCall):
             slower = self.batch.flat("V_lp") / self.batch.flat("V_start")
         measures: dict = {}
         for first in range(0, len(may_cycle), CHUNK):
-            which = may_cycle[first : first + CHUNK]
-            part = system.at(which)
-            done, share = first / len(may_cycle), len(which) / len(may_cycle)
+            rows = may_cycle[first : first + CHUNK]
+            part = system.at(rows)
+            done, share = first / len(may_cycle), len(rows) / len(may_cycle)
             advance = progress and (lambda x, d=done, s=share: progress(d + s * x))
-            start = steady_start(part, slower[which])
+            start = steady_start(part, slower[rows])
             attractors = find_attractors(part, start, self.rtol, advance)
-            status[which] = attractors.status
+            status[rows] = attractors.status
             cycle = attractors.status == FINISHED
             cycle |= is_single & (attractors.status == NO_CONVERGENCE)
             values = refine(part.at(cycle), attractors.at(cycle), self.rtol)
             for name, value in values.items():
                 empty = np.full((n, *value.shape[1:]), np.nan, value.dtype)
-                measures.setdefault(name, empty)[which[cycle]] = value
+                measures.setdefault(name, empty)[rows[cycle]] = value
         if measures:
             # A cycle that proves to be unstable is not the attractor.
             good = (measures["error"] <= WORST) & (np.abs(measures["multipliers"][:, 0]) < 1.0)

@@ -118,27 +118,27 @@ def iterated_map(system, u, atol, count, *, steady_tol=0.0, observe=False, perio
     atol, steady_tol = np.broadcast_to(atol, n), np.broadcast_to(steady_tol, n)
     periods = np.ones(n) if period is None else period / count
 
-    def once(which, u):
+    def once(rows, u):
         """Return one return of the sliders with these numbers."""
-        part = system.at(which)
-        y, assumed = state(part, u), None if period is None else periods[which]
-        options = {"steady_tol": steady_tol[which], "observe": observe, "period": assumed}
-        return return_map(part, y, atol[which], **options)
+        part = system.at(rows)
+        y, assumed = state(part, u), None if period is None else periods[rows]
+        options = {"steady_tol": steady_tol[rows], "observe": observe, "period": assumed}
+        return return_map(part, y, atol[rows], **options)
 
     returns = once(np.arange(n), u)
     for number in range(1, int(count.max(initial=1))):
-        which = np.flatnonzero((count > number) & returns.came_back)
-        _append(returns, which, once(which, returns.image[which]), 2.0 * np.pi / periods[which])
+        rows = np.flatnonzero((count > number) & returns.came_back)
+        _append(returns, rows, once(rows, returns.image[rows]), 2.0 * np.pi / periods[rows])
     return returns
 
 
-def _append(returns, which, added, omega):
+def _append(returns, rows, added, omega):
     """Extend the returns of these sliders by one more return, in place.
 
     omega : (n,) angular frequency of the waveform
     """
-    old = {name: values[which] for name, values in returns.numbers.items()}
-    previous, new = returns.jacobian[which], added.numbers
+    old = {name: values[rows] for name, values in returns.numbers.items()}
+    previous, new = returns.jacobian[rows], added.numbers
     joined = dict(new)
     for name in SUMS:
         joined[name] = old[name] + new[name]
@@ -146,18 +146,18 @@ def _append(returns, which, added, omega):
     for name in ("f_min", "xf_min"):
         joined[name] = np.minimum(old[name], new[name])
     slopes = {name: np.einsum("ni,nij->nj", d, previous) for name, d in added.gradients.items()}
-    slopes["period"] = returns.gradients["period"][which] + slopes["period"]
+    slopes["period"] = returns.gradients["period"][rows] + slopes["period"]
     for name, sign in (("x_low", -1.0), ("x_high", 1.0), ("v_min", -1.0), ("v_max", 1.0)):
         is_new = sign * new[name] > sign * old[name]
         joined[name] = np.where(is_new, new[name], old[name])
-        slopes[name] = np.where(is_new[:, None], slopes[name], returns.gradients[name][which])
+        slopes[name] = np.where(is_new[:, None], slopes[name], returns.gradients[name][rows])
     shifted = np.exp(1j * omega * old["period"]) * (new["cosine"] + 1j * new["sine"])
     joined["cosine"], joined["sine"] = old["cosine"] + shifted.real, old["sine"] + shifted.imag
     for found, values in ((returns.numbers, joined), (returns.gradients, slopes)):
         for name, value in values.items():
-            found[name][which] = value
-    returns.status[which], returns.image[which] = added.status, added.image
-    returns.jacobian[which] = added.jacobian @ previous
+            found[name][rows] = value
+    returns.status[rows], returns.image[rows] = added.status, added.image
+    returns.jacobian[rows] = added.jacobian @ previous
 
 
 def change_along(gradients, step):

@@ -84,12 +84,12 @@ def comes_to_rest(loads, rows, t_end):
     return np.where(V > 0.0, rest, loads.t).min(axis=1)[rows] < t_end
 
 
-def run_cases(method, law, cases, loads, save_times, which, progress=None):
+def run_cases(method, law, cases, loads, save_times, rows, progress=None):
     """March the cases with these numbers; return the `Results` of all n cases.
 
     Those of the others are NaN, with the status RUNNING.  method : a name in `METHODS`
     """
-    order = which[np.argsort(-cost(cases, loads)[which], kind="stable")]
+    order = rows[np.argsort(-cost(cases, loads)[rows], kind="stable")]
     return dispatch.run_march(METHODS[method], law, cases, loads, save_times, order, progress)
 
 

@@ -48,7 +48,7 @@ def response(file: Path, *, frequency: list[str] | None = None, outputs: Outputs
 
     Example: ratestate response record.toml --plot response.png
     """
-    texts = [text.strip() for one in frequency or [] for text in one.split(",")]
+    texts = [text.strip() for option in frequency or [] for text in option.split(",")]
     given: dict[str, Any] = {"frequency": texts} if texts else {}
     _do(file, "frequency_response", outputs, **given)
 

@@ -44,7 +44,7 @@ class Command(TyperCommand):
             return super().parse_args(ctx, args)
         except Exception as error:  # the class is in a private module of typer
             if unknown := getattr(error, "option_name", ""):
-                names = {_parameter_name(one): one for param in self.params for one in param.opts}
+                names = {_parameter_name(opt): opt for param in self.params for opt in param.opts}
                 near = nearest(_parameter_name(unknown), names)
                 error.possibilities = [names[near]] if near else []  # type: ignore[attr-defined]
             raise
@@ -77,13 +77,13 @@ def as_command(function: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(function)
     def wrapped(*, context: typer.Context, debug: bool, **values: Any) -> None:
-        options = {str(one.name): one.opts[0] for one in context.command.params}
+        options = {str(param.name): param.opts[0] for param in context.command.params}
         with exit_on_error(debug or bool(context.obj), options), warnings_as_lines():
             function(**{parameter.name: _argument(parameter, values) for parameter in arguments})
 
     kind = inspect.Parameter.KEYWORD_ONLY
     parameters = [
-        *(_described(one, **table[one.name]) for one in parameters_of(function)),
+        *(_described(argument, **table[argument.name]) for argument in parameters_of(function)),
         inspect.Parameter("debug", kind, default=False, annotation=Debug),
         inspect.Parameter("context", kind, annotation=typer.Context),
     ]

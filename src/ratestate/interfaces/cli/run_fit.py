@@ -148,7 +148,7 @@ def markdown(
 ) -> str:
     """Return the whole report; both Datasets must have the attributes of their functions."""
     time, columns = record["time"].values, json.loads(record.attrs["columns"]).items()
-    rows = [[name, one["title"], one["unit"].removeprefix("1")] for name, one in columns]
+    rows = [[name, column["title"], column["unit"].removeprefix("1")] for name, column in columns]
     heads = [left(head) for head in ("", "column", "unit")]
     kind = "steps" if has_steps(result) else "whole"
     text = SENTENCES(

@@ -107,7 +107,7 @@ def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
     if json:
         failed, _ = failures(result, most=status.failed)
         names = ("at", "status", "message")
-        _print_json(status, failures=[dict(zip(names, one, strict=True)) for one in failed])
+        _print_json(status, failures=[dict(zip(names, values, strict=True)) for values in failed])
     else:
         units = shown_units(result)
         outside = outside_lines(result, "cases", units)

@@ -41,10 +41,10 @@ def framed(result, laws, height):
     extra = own_parameters(map(friction_law, laws))
     symbols = " ".join(s for s in (*"sigma M a b Dc K V0".split(), *extra) if s not in result)
     source = attribute_text(result, "source", "")
-    which = f"the {law_names(laws)}" if len(laws) <= NAMED else f"{len(laws)} friction laws"
+    law_text = f"the {law_names(laws)}" if len(laws) <= NAMED else f"{len(laws)} friction laws"
     title = (
         f"Fit of {source + ', ' if source else ''}{result.sizes['time']:,} samples of friction, "
-        f"under {which}"
+        f"under {law_text}"
     )
     fig = figure(result, sum(heights) + TITLE, symbols, title=title)
     return fig, list(fig.subfigures(len(heights), 1, height_ratios=heights))
@@ -154,8 +154,8 @@ def write_estimates(result, ax):
     Beside them K/K_c_qs, unless K = inf, and a measure of the misfit.  `result` is not checked.
     """
     laws = results_by_law(result)
-    shown = [one for one in estimates(laws, scaled) if one.symbol not in (*TRENDS, "K/sigma")]
-    columns = [(in_unit(_heading(one.symbol, laws), one.unit), _cells(one)) for one in shown]
+    shown = [row for row in estimates(laws, scaled) if row.symbol not in (*TRENDS, "K/sigma")]
+    columns = [(in_unit(_heading(row.symbol, laws), row.unit), _cells(row)) for row in shown]
     if "aic" not in result:
         columns.append((r"$\chi^2$", [short(float(part["chi2"])) for part in laws.values()]))
     elif len(laws) == 1:

@@ -53,7 +53,7 @@ def overview(run, verdict, *, orbit=None, others=(), chart=None, caption=()):
     stresses, speeds = left.subplots(2, 1, sharex=True)
     phase, *maps = right.subplots(1 if chart is None else 2, 1, squeeze=False)[:, 0]
     kept = _kept(run, others)
-    behind = [one._replace(name="_") for one in kept]
+    behind = [other._replace(name="_") for other in kept]
     _stress(stresses, run, kept)
     speed([NamedRun(run, "slip", {"color": BLUE}), *behind], speeds)
     speeds.legend(ncols=2, **ABOVE)
@@ -65,7 +65,7 @@ def overview(run, verdict, *, orbit=None, others=(), chart=None, caption=()):
         _map(ax, chart, verdict)
     letters([stresses, speeds, phase, *maps], "stress", "speed", "phase plane", MAP)
     if kept:
-        names = ["the run shown", *(one.name for one in kept)]
+        names = ["the run shown", *(other.name for other in kept)]
         handles = [stresses.lines[0], *stresses.lines[-len(kept) :]]
         fig.legend(handles, names, loc="outside lower left", **LEGEND)
     dress(fig)
@@ -75,11 +75,11 @@ def overview(run, verdict, *, orbit=None, others=(), chart=None, caption=()):
 def _kept(run, others):
     """`NamedRun` of each other run, named by what differs, up to the end of the run."""
     _, *named = named_runs([run, *others])
-    ends = [one.run.isel(time=one.run.time.values <= run.time.values[-1]) for one in named]
+    ends = [other.run.isel(time=other.run.time.values <= run.time.values[-1]) for other in named]
     looks = itertools.cycle(MUTED)
     return [
-        NamedRun(end, one.name, {"color": color, "lw": 0.9, "zorder": 1.5})
-        for end, one, color in zip(ends, named, looks, strict=False)
+        NamedRun(end, other.name, {"color": color, "lw": 0.9, "zorder": 1.5})
+        for end, other, color in zip(ends, named, looks, strict=False)
     ]
 
 
@@ -88,8 +88,8 @@ def _stress(ax, run, kept):
     ax.set_xlabel("")  # the axis of the speeds, below, has it
     ax.legend(ncols=2, **ABOVE)
     factor, _ = prefixed("s", float(abs(run.time).max()))
-    for one, _, line in kept:
-        ax.plot(factor * one.time, one.tau / normal_stress(one), **line)
+    for other, _, line in kept:
+        ax.plot(factor * other.time, other.tau / normal_stress(other), **line)
 
 
 def _map(ax, chart, verdict):
@@ -102,7 +102,7 @@ def _map(ax, chart, verdict):
     name = "this slider, beyond the map" if beyond else "this slider"
     look = {"mfc": "w" if beyond else "k", "mec": "k", "ms": 5, "ls": "", "zorder": 6}
     handles += ax.plot(*inside, "o", label=name, clip_on=False, **look)
-    names = [str(one.get_label()).replace(" (", "\n(").replace(", ", ",\n") for one in handles]
+    names = [str(line.get_label()).replace(" (", "\n(").replace(", ", ",\n") for line in handles]
     ax.legend(handles, names, **_below(ax))
 
 

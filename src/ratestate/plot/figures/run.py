@@ -33,7 +33,7 @@ def run_figure(run):
 def runs_figure(runs):
     """Draw the figure of several runs, as `named_runs` takes them; ParameterError as of it."""
     named = named_runs(runs)
-    parts = [one.run for one in named]
+    parts = [other.run for other in named]
     if any(run.attrs.get("title") != "ratestate simulate" for run in parts):
         raise ParameterError(
             "a figure of several runs shows results of simulate alone", "Give only such results."
@@ -44,7 +44,7 @@ def runs_figure(runs):
     title = f"{len(parts)} runs, {' and '.join(sorted(laws))}"
     fig = figure(parts[0], 4.4, common(parts, SLIDER), title=title)
     axes = _panels(fig, runs, named)
-    widest = SPACE + max(text_width(one.name, LETTERS) for one in named)
+    widest = SPACE + max(text_width(other.name, LETTERS) for other in named)
     axes["a"].legend(ncols=max(1, int(ROOM / widest)), **COMPACT, **ABOVE)
     axes["b"].legend(handles=axes["b"].lines[:1], **ABOVE)
     return fig

@@ -85,12 +85,12 @@ def _step(step, laws, axes):
     why = "" if fitted else " stick-slip" if is_stick_slip else " failed"
     head = f"step {int(step['step'])}: {_head(step)}{why}"
     ax.set_title(head, fontsize=6, pad=2, color="k" if fitted else "#c00000")
-    for one, ticks in ((ax, 4), (below, 2)):
-        one.axvline(0.0, color=GRAY, lw=0.6, ls=":", zorder=0)
-        one.tick_params(labelsize=6, pad=1.5)
-        one.xaxis.set_major_locator(MaxNLocator(4))
-        one.yaxis.set_major_locator(MaxNLocator(ticks))
-        one.margins(x=0.0)
+    for panel, ticks in ((ax, 4), (below, 2)):
+        panel.axvline(0.0, color=GRAY, lw=0.6, ls=":", zorder=0)
+        panel.tick_params(labelsize=6, pad=1.5)
+        panel.xaxis.set_major_locator(MaxNLocator(4))
+        panel.yaxis.set_major_locator(MaxNLocator(ticks))
+        panel.margins(x=0.0)
     ax.tick_params(labelbottom=False)
     below.set_xlabel(what, fontsize=6, labelpad=0.5)
 

@@ -106,17 +106,17 @@ def _lines(ax, result, name, along, across):
     x = axis_of(result, along).values
     dims = [along] if across is None else [across, along]
     pair = [name, "V_min"] if name == "V_max" else [name]
-    found = np.array([np.atleast_2d(_values(result, one, dims)) for one in pair])
+    found = np.array([np.atleast_2d(_values(result, variable, dims)) for variable in pair])
     factor, unit = fitting_unit(name, found, contact_area(result))
     scaled = factor * found
     _has_none(ax, scaled)
     names = [None] if across is None else axis_of(result, across).each(across)
     colors = ["k"] if across is None else shades(len(names))
-    for one, rows, look in zip(pair, scaled, ("o-", "o--"), strict=False):
+    for variable, rows, look in zip(pair, scaled, ("o-", "o--"), strict=False):
         for values, text, color in zip(rows, names, colors, strict=True):
             if text is None:
-                color, text = ("k", BLUE)[one == "V_min"], label(one)
-            elif one == "V_min":
+                color, text = ("k", BLUE)[variable == "V_min"], label(variable)
+            elif variable == "V_min":
                 text = None
             ax.plot(x, values, look, color=color, ms=2.5, lw=1.0, label=text)
     if across is not None and len(pair) > 1:

@@ -115,8 +115,8 @@ def healing_record(data, loading, trend):
     )
 
 
-def is_same_speed(one, other):
-    return abs(one - other) <= SPEEDS * max(one, other)
+def is_same_speed(V, other):
+    return abs(V - other) <= SPEEDS * max(V, other)
 
 
 def _holds(time, segments):
@@ -177,7 +177,7 @@ def noise_of_slides(record):
     are left out.  The noise is at least the resolution of friction.  If no part has `FEWEST`
     samples: ParameterError.
     """
-    friction, slides = record.friction, [one.rows for one in record.slides.values()]
+    friction, slides = record.friction, [slide.rows for slide in record.slides.values()]
     parts = [rows[rows.size - int(STEADY * rows.size) :][-MOST:] for rows in slides]
     parts = [rows for rows in parts if rows.size >= FEWEST]
     if not parts:

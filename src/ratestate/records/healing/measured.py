@@ -75,15 +75,15 @@ def measure(record, hold, noise, levels):
     two rounding errors.  If the noise is larger than the last digit, a mean of samples has less of
     this error (Widrow, Kollar & Liu 1996 doi:10.1109/19.492748).
     """
-    one = _measured_with_noise(record, hold, noise, levels)
+    measured = _measured_with_noise(record, hold, noise, levels)
     step = resolution(record.friction)
     other = max(noise.level**2 - (OF_STEP * step) ** 2, 0.0)
     least = OF_STEP * step * np.exp(-2.0 * np.pi**2 * other / step**2) if step else 0.0
     values = {
         name: (value, max(error, math.sqrt(2.0 if name in DIFFERENCES else 1.0) * least))
-        for name, (value, error) in one.values.items()
+        for name, (value, error) in measured.values.items()
     }
-    return one._replace(values=values)
+    return measured._replace(values=values)
 
 
 def _measured_with_noise(record, hold, noise, levels):

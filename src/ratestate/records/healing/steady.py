@@ -58,12 +58,12 @@ class Shape(NamedTuple):
         u = np.maximum((slip - slip[0]) / self.length, -1.0)
         fade = np.exp(-u)
         if self.wave:
-            one, two = fade * np.cos(self.wave * u), fade * np.sin(self.wave * u)
+            first, second = fade * np.cos(self.wave * u), fade * np.sin(self.wave * u)
         elif self.faster == 1.0:
-            one, two = fade, u * fade
+            first, second = fade, u * fade
         else:
-            one, two = fade, (fade - np.exp(-u / self.faster)) / (1.0 - self.faster)
-        return np.column_stack([one, two, one * one, one * two, two * two])
+            first, second = fade, (fade - np.exp(-u / self.faster)) / (1.0 - self.faster)
+        return np.column_stack([first, second, first * first, first * second, second * second])
 
 
 class Level(NamedTuple):
@@ -144,7 +144,7 @@ def levels_of(record, noise):
     # (over the record, the drift does not exceed the range of friction)
     slope = (np.ptp(record.drift_coordinate) / np.ptp(friction)) ** 2.0
     bound = np.zeros(1 + has_slope), np.diag([0.0, slope][: 1 + has_slope])
-    tails = [one.tail for one in slides if one.follows_hold and one.tail.size >= FEWEST]
+    tails = [fitted.tail for fitted in slides if fitted.follows_hold and fitted.tail.size >= FEWEST]
     shapes, weights = shapes_of(friction, record.slip, tails, noise.level)
     fits = [_slide_fit(record, slide.tail, noise, shapes) for slide in slides]
     evidence = np.zeros((len(slides), weights.size))
@@ -157,7 +157,7 @@ def levels_of(record, noise):
         for weight, slide in zip(weights + evidence.sum(0) - evidence, slides, strict=True)
     ]
     means = [fit and fit.mean(weight, bound) for fit, weight in zip(fits, others, strict=True)]
-    errors = [np.inf if one is None else float(np.sqrt(one[1][0, 0])) for one in means]
+    errors = [np.inf if level is None else float(np.sqrt(level[1][0, 0])) for level in means]
     for i, slide in enumerate(slides):
         fall = friction[slide.tail[0]] - friction[slide.rows[-FEWEST:]].mean()
         if slide.follows_hold and errors[i] > UNFINISHED * fall:
@@ -256,7 +256,7 @@ def _fit_in_window(columns, noise, shapes):
     first, last = np.split(white[:, : shared.shape[1]], [-TESTED], axis=1)
     parts = np.split(white[:, shared.shape[1] :], len(transients), axis=1)
     designs = [np.hstack([first, part, last]) for part in parts]
-    normal = np.array([one.T @ one for one in designs])
+    normal = np.array([design.T @ design for design in designs])
     lengths = np.array([*(shape.length for shape in shapes), 0.0])
     scale = (np.ptp(friction) + noise.level) * (1.0 + lengths / np.ptp(slip))
     return _SlideFit(float(t[0]), normal, scale, 1 + len(drift))
@@ -270,7 +270,7 @@ def _priors(slides, ends, means, has_slope):
     ends : (slides,) drift coordinates at the slides' ends
     means : level (and slope) of each slide with its covariance, or None
     """
-    known = np.array([i for i, one in enumerate(means) if one is not None], int)
+    known = np.array([i for i, level in enumerate(means) if level is not None], int)
     if not known.size or len(slides) < 2:
         return [None] * len(slides)
     speeds = [next(k for k, b in enumerate(slides) if is_same_speed(a.V, b.V)) for a in slides]

@@ -76,13 +76,13 @@ def _steps_and_jumps(rows):
     @functools.cache
     def change(i, j, k):
         """Return the change at row j as a multiple of the least step; inf for a jump of x."""
-        one, other = run_of(i, j), run_of(j, k)
-        dV = abs(one.V - other.V)
-        T = [run.end - run.start for run in (one, other)]
-        least = least_change(one, other)
+        before, after = run_of(i, j), run_of(j, k)
+        dV = abs(before.V - after.V)
+        T = [run.end - run.start for run in (before, after)]
+        least = least_change(before, after)
         deflection = dV * T[0] * T[1] / sum(T) / (MIN_DEFLECTION * rows.noise[j] ** 0.5)
         size = min(dV / least if least else 0.0, deflection)
-        jumps = size < 1.0 and jump_size(rows, j, 0.5 * (one.V + other.V)) != 0.0
+        jumps = size < 1.0 and jump_size(rows, j, 0.5 * (before.V + after.V)) != 0.0
         return np.inf if jumps else size
 
     @functools.cache
@@ -90,10 +90,10 @@ def _steps_and_jumps(rows):
         """Return whether rows j to k only surround a jump: at most one is off both lines."""
         if k - j >= 2 * MIN_RUN_ROWS:
             return False
-        one, other = run_of(i, j), run_of(k, m)
+        before, after = run_of(i, j), run_of(k, m)
         t, x, least = rows.t[j:k], rows.x[j:k], JUMP_SIGMAS * rows.noise[j:k] ** 0.5
-        off = np.minimum(abs(x - one.x_at(t, -1)), abs(x - other.x_at(t, 0))) > least
-        return bool(off.sum() <= 1 and abs(one.V - other.V) < least_change(one, other))
+        off = np.minimum(abs(x - before.x_at(t, -1)), abs(x - after.x_at(t, 0))) > least
+        return bool(off.sum() <= 1 and abs(before.V - after.V) < least_change(before, after))
 
     def changes(at):
         sizes = [change(*three) for three in zip(at, at[1:], at[2:], strict=False)]
@@ -185,9 +185,9 @@ def _anomaly_notes(runs):
             if gap := jump_size(run.samples, first, run.V):
                 lost = f" (as in {gap / run.V:.2g} s at that speed)" if run.V else ""
                 notes.append(sentences("notes.jump", gap=gap, t=t[first], lost=lost))
-    for one, other in itertools.pairwise(runs):
-        if gap := jump_between(one, other):
-            notes.append(sentences("notes.jump_at_step", gap=gap, t=t[other.first]))
+    for before, after in itertools.pairwise(runs):
+        if gap := jump_between(before, after):
+            notes.append(sentences("notes.jump_at_step", gap=gap, t=t[after.first]))
     scatter, steps = _scatter_of(runs)
     if scatter > max(WANDER_RATIO * steps, MIN_SPEED_RATIO * np.ptp(x), _rounding_step(x)):
         notes.append(sentences("notes.wanders", scatter=scatter, steps=steps))

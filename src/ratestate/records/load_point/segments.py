@@ -91,7 +91,7 @@ class Segments(NamedTuple):
             if step.end > step.t:
                 what = f"ramp of normal stress {change} from {begin} to {end}"
             texts.append((step.t, what + moved))
-        return "; ".join(text for _, text in sorted(texts, key=lambda one: one[0]))
+        return "; ".join(text for _, text in sorted(texts, key=lambda item: item[0]))
 
     def _of_load_point(self, t, displacement):
         """Return (time [s], description) of each step and hold of the load point."""
@@ -180,11 +180,11 @@ def segments_from_displacement(t, x):
     noise, (at, spans) = noise_variances(runs), breakpoints(runs)
     variance = [0.0]  # of the starts
     for i, (tau, span) in enumerate(zip(at, spans, strict=True)):
-        one, other = runs[i : i + 2]
-        of_lines = noise[i] * one.x_variance(tau, -1) + noise[i + 1] * other.x_variance(tau, 0)
+        before, after = runs[i : i + 2]
+        of_lines = noise[i] * before.x_variance(tau, -1) + noise[i + 1] * after.x_variance(tau, 0)
         # a step in a jump or a gap is uniformly distributed over the span
-        variance.append(span**2 / 12.0 if span else of_lines / (one.V - other.V) ** 2)
-        if span and is_gap(one, other):
+        variance.append(span**2 / 12.0 if span else of_lines / (before.V - after.V) ** 2)
+        if span and is_gap(before, after):
             ends = {"first": tau - 0.5 * span, "last": tau + 0.5 * span}
             notes.append(sentences("notes.step_in_gap", **ends))
     # a row at a breakpoint, to rounding, belongs to the segment before it

@@ -159,14 +159,14 @@ def _weakest_cut(rows, cuts):
     Two neighbouring cuts that one cut may replace count as one candidate for removal.
     """
     c = np.array(cuts)
-    one = rows.misfit(c[:-1], c[1:])
-    gains = rows.misfit(c[:-2], c[2:]) - one[:-1] - one[1:]
+    misfits = rows.misfit(c[:-1], c[1:])
+    gains = rows.misfit(c[:-2], c[2:]) - misfits[:-1] - misfits[1:]
     m = int(np.argmin(gains))
     weakest = m + 1, cuts[: m + 1] + cuts[m + 2 :], float(gains[m])
     for m in range(1, len(cuts) - 2):
         i, j = cuts[m - 1], cuts[m + 2]
         k, gain = rows.best_cut(i, j)
-        loss = float(rows.misfit(i, j) - gain - one[m - 1 : m + 2].sum())
+        loss = float(rows.misfit(i, j) - gain - misfits[m - 1 : m + 2].sum())
         if i < k and loss < weakest[2]:
             weakest = m, [*cuts[:m], k, *cuts[m + 2 :]], loss
     return weakest
@@ -235,8 +235,8 @@ def sampling_noise(t, y, degree, longest):
         return reductions, [reductions[inside & (rates[first] == rate)] for rate in of_all]
 
     shortest, grouped = reductions_by_rate(MIN_RUN_ROWS, np.ones(t.size))
-    known = [one.size >= MIN_PAIRS for one in grouped]
-    levels = [np.median(one) for one, enough in zip(grouped, known, strict=True) if enough]
+    known = [group.size >= MIN_PAIRS for group in grouped]
+    levels = [np.median(group) for group, enough in zip(grouped, known, strict=True) if enough]
     noisiest = max(levels or [np.median(shortest) if shortest.size else 0.0])
     least = max(MIN_VARIANCE_RATIO * noisiest, ROUNDING * float(y @ y), LEAST_VARIANCE)
     variances = np.full(len(grouped), max(noisiest, least))
@@ -244,7 +244,7 @@ def sampling_noise(t, y, degree, longest):
     growth, length = np.ones(len(grouped)), 2 * MIN_RUN_ROWS
     while length <= min(longest, t.size // (TYPICAL_PAIRS + 1)):
         reductions, grouped = reductions_by_rate(length, variances[rates])
-        typical = [np.median(one if one.size >= TYPICAL_PAIRS else reductions) for one in grouped]
+        typical = [np.median(x if x.size >= TYPICAL_PAIRS else reductions) for x in grouped]
         growth, length = np.maximum(growth, typical), 2 * length
     noise = _local_noise(shortest, variances[rates]) * growth[rates]
     # a rate changes between two rows: rows beside the change take the larger noise

@@ -107,7 +107,7 @@ def _dominant_frequency(t, friction, rows):
             omega = 2.0 * np.pi * at / float(t[part[-1]] - t[part[0]])
             windows.append((power[at] / (power.sum() - power[at - 1 : at + 2].sum()), omega, part))
         size *= GROWTH
-    return None if not windows else max(windows, key=lambda one: one[0])[1:]
+    return None if not windows else max(windows, key=lambda window: window[0])[1:]
 
 
 def _basis(t, omega, decay):

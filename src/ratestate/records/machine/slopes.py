@@ -183,7 +183,7 @@ def slopes_of(t, friction, segments, drops):
             slopes += [_slope_between_drops(t, friction, *phase, V) for phase in phases]
         elif i:
             slopes.append(_slope_after_change(t, friction, rows, segments, i))
-    return [one for one in slopes if one is not None]
+    return [slope for slope in slopes if slope is not None]
 
 
 def _slope_after_change(t, friction, rows, segments, i):

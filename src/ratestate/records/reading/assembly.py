@@ -62,7 +62,7 @@ def build_record(tables, lab, *, time=None, displacement=None, max_rows=MAX_ROWS
         raise sentences.refusal("join.unknown", join=join, ways=", ".join(map(repr, JOINS)))
     constants = {s: constant_in_si(s, value) for s, value in lab.constants.items()}
     given = {"time": (time, "time"), "delta_lp": (displacement, "displacement")}
-    windows = {s: parse_window(s, *one) for s, one in given.items() if one[0] is not None}
+    windows = {s: parse_window(s, *window) for s, window in given.items() if window[0] is not None}
     parts = [_read_rows(table, lab, constants) for table in tables]
     kept, join_notes = _join_files([part for part, _ in parts], join, constants)
     file_notes = [note for _, notes in parts for note in notes] + join_notes
@@ -129,7 +129,7 @@ def _read_rows(table, lab, constants):
     if ratio := _ratio_of_forces(chosen, units):
         notes.append(sentences("notes.forces", title=ratio.title))
         chosen, units = (
-            {s: x for s, x in one.items() if s not in ("tau", "sigma")} for one in (chosen, units)
+            {s: x for s, x in part.items() if s not in ("tau", "sigma")} for part in (chosen, units)
         )
         chosen["friction"] = ratio
     if unused := units.keys() - chosen.keys():
@@ -207,9 +207,9 @@ def _join_files(parts, join, constants):
     pieces = {s: [part.record[s] for part in parts] for s in symbols}
     times = pieces["time"]
     from_zero = all(0.0 <= _end_values(t)[0] <= NEAR_ZERO * _typical_step(t) for t in times)
-    for i, (one, other) in enumerate(itertools.pairwise(parts)):
+    for i, (before, after) in enumerate(itertools.pairwise(parts)):
         end, begin = _end_values(times[i])[1], _end_values(times[i + 1])[0]
-        names = {"before": one.name, "after": other.name}
+        names = {"before": before.name, "after": after.name}
         if join == "restart" or (join == "auto" and from_zero):
             added = end + _typical_step(times[i + 1]) - begin
             times[i + 1] = times[i + 1] + added
@@ -219,8 +219,8 @@ def _join_files(parts, join, constants):
                 notes.append(sentences("notes.zeroed", added=added, **names))
         elif begin < end:
             places = {
-                "last_row": one.row_label(np.flatnonzero(np.isfinite(times[i]))[-1]),
-                "first_row": other.row_label(np.flatnonzero(np.isfinite(times[i + 1]))[0]),
+                "last_row": before.row_label(np.flatnonzero(np.isfinite(times[i]))[-1]),
+                "first_row": after.row_label(np.flatnonzero(np.isfinite(times[i + 1]))[0]),
             }
             raise sentences.refusal("join.overlap", end=end, begin=begin, **names, **places)
     starts = np.cumsum([0, *(t.size for t in times)]).tolist()

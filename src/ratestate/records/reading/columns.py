@@ -79,7 +79,7 @@ class Table(NamedTuple):
 
     def cell(self, row, column):
         """Return a cell that is not a number for a message: in quotes, or "nothing" if empty."""
-        index = next((i for i, one in enumerate(self.columns) if one.values is column.values), None)
+        index = next((i for i, x in enumerate(self.columns) if x.values is column.values), None)
         if self.cell_text is None or self.lines is None or index is None:
             return quoted(str(column.values[row]))
         text = self.cell_text(int(self.lines[row]), index)

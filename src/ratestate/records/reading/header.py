@@ -38,7 +38,7 @@ class Header(NamedTuple):
 
     def split_units(self):
         """Return the name, unit and contradicting unit of each column (list of tuples)."""
-        return [name_and_units(*one) for one in zip(self.names, self.units, strict=True)]
+        return [name_and_units(*pair) for pair in zip(self.names, self.units, strict=True)]
 
     def normalized(self):
         """Return `split_units` without differences of spelling."""

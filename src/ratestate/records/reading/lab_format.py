@@ -85,7 +85,7 @@ class LabFormat:
         if sigma is not None:
             if "sigma" in columns:
                 raise sentences.refusal("columns.sigma_twice", sigma=sigma, column=columns["sigma"])
-            saved = [{s: x for s, x in one.items() if s != "sigma"} for one in saved]
+            saved = [{s: x for s, x in table.items() if s != "sigma"} for table in saved]
             constants = {"sigma": sigma}
         columns, units = saved[0] | columns, saved[1] | units
         return dataclasses.replace(self, columns=columns, units=units, constants=constants)
@@ -131,11 +131,11 @@ def _problems(name, table):
         yield sentences("format.no_table", table=name, key=TABLES[name][0][0])
     else:
         for key, value in table.items():
-            where = {"table": name, "key": key, "value": value}
+            position = {"table": name, "key": key, "value": value}
             if key not in TABLES[name][0]:
-                yield sentences("format.key", wanted=one_of(TABLES[name][0], key), **where)
+                yield sentences("format.key", wanted=one_of(TABLES[name][0], key), **position)
             elif (wanted := _expected(name, key, value)) is not None:
-                yield sentences("format.value", wanted=wanted, **where)
+                yield sentences("format.value", wanted=wanted, **position)
 
 
 def _expected(table, key, value):

@@ -150,7 +150,7 @@ def refuse_other_files(file, name):
         if isinstance(item, h5py.Dataset):
             others = [other for other, *_ in item.external or ()]
             sources = item.virtual_sources() if item.is_virtual else []
-            others += [one.file_name for one in sources if one.file_name != "."]  # this file
+            others += [x.file_name for x in sources if x.file_name != "."]  # this file
             return (title, others[0]) if others else None
 
     def other_of_link(title, link):

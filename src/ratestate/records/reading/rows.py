@@ -74,11 +74,11 @@ class Rows:
             values = {"title": title, "symbol": symbol, "row": self.row_label(row), "cell": cell}
             raise sentences.refusal("column.dates" if dated else "column.no_numbers", **values)
 
-    def keep(self, which):
+    def keep(self, selection):
         """Keep only the rows that a mask or slice along `kept` selects."""
-        self.kept = self.kept[which]
+        self.kept = self.kept[selection]
         for symbol, values in self.record.items():  # one by one to save memory
-            self.record[symbol] = values[which]
+            self.record[symbol] = values[selection]
 
     def leave_out(self, bad, why, shown=None):
         """Leave out the rows of a mask along `kept`; add a warning if there are any.

@@ -136,7 +136,7 @@ def _detect_clocks(rows, header):
     clocks = {}
     for j, (_, unit, _) in enumerate(header.split_units()):
         detected = (detect_clock(row[j], unit) for row in rows if len(row) > j)
-        if clock := next((one for one in detected if one is not None), None):
+        if clock := next((known for known in detected if known is not None), None):
             clocks[j] = clock
     return clocks
 

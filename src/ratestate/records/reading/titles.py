@@ -52,7 +52,7 @@ def split_title(title):
     title = " ".join(title.split()).strip('"')
     title = title.strip("'") if title.startswith("'") else title
     if matches := [*_BRACKET.finditer(title)]:
-        of_unit = next((one for one in matches if is_unit(one[1])), matches[-1])
+        of_unit = next((found for found in matches if is_unit(found[1])), matches[-1])
         name = f"{title[: of_unit.start()].rstrip(' _,:')} {title[of_unit.end() :].strip()}"
         return name.strip(), of_unit[1].strip()
     for pattern in _UNIT_AFTER:
@@ -75,8 +75,8 @@ def name_and_units(title, unit=""):
     within, inner = split_title(name)
     if not is_unit(inner):
         within, inner = name, ""
-    first, *others = [one for one in (unit, own, inner) if one] or [""]
-    other = next((one for one in others if plain_unit(one) != plain_unit(first)), "")
+    first, *others = [text for text in (unit, own, inner) if text] or [""]
+    other = next((text for text in others if plain_unit(text) != plain_unit(first)), "")
     return within, first, other
 
 

@@ -127,8 +127,8 @@ def _in_record(series, spans, noise):
     sides = []
     for sign, samples, edge in ((1, peaks, begins), (-1, troughs, ends)):
         loading = float(np.median(sign * (t[samples] - t[edge])))
-        one = _stress_extremes(t, y, middle, t[samples], sign, loading, noise)
-        value, error, time, time_error = corrected_for_spikes(t, y, middle, one, sign, noise)
+        extreme = _stress_extremes(t, y, middle, t[samples], sign, loading, noise)
+        value, error, time, time_error = corrected_for_spikes(t, y, middle, extreme, sign, noise)
         error = np.hypot(error, series.resolution)
         sides.append((value, error, time, np.hypot(time_error, series.t_resolution)))
     (high, high_error, start, _), (low, low_error, end, _) = sides
