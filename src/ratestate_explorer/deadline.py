@@ -35,7 +35,7 @@ class Deadline(threading.Event):
         """Return whether `set` was called or, after the first `start`, the time is up."""
         if super().is_set() or self._part is None:
             return super().is_set()
-        return _spent(self._part) > self.seconds or _spent(self._first) > self.whole
+        return _seconds_spent(self._part) > self.seconds or _seconds_spent(self._first) > self.whole
 
     @property
     def cancelled(self):
@@ -62,7 +62,7 @@ class Deadline(threading.Event):
             raise TimeUp from None
 
 
-def _spent(since):
+def _seconds_spent(since):
     """Return the seconds that this program worked since a pair of (monotonic, process) times."""
     wall = time.monotonic() - since[0]
     return min(wall, max(time.process_time() - since[1], wall / PATIENCE))

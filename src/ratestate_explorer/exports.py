@@ -92,8 +92,8 @@ def standalone(entries, pinned, deadline):
         _row("hello", None, wire.answer(None, "hello", **offers(starts), live=live)),
         _row("picture", entries, first),
         *(_row("picture", texts, _picture(texts, deadline)[1]) for texts in pinned),
-        _answered(partial(answer_chart, size=size), "chart", entries, deadline),
-        *(_answered(answer_branch, "branch", entries, deadline, along=p) for p in branch.ALONG),
+        _answered_row(partial(answer_chart, size=size), "chart", entries, deadline),
+        *(_answered_row(answer_branch, "branch", entries, deadline, along=p) for p in branch.ALONG),
     ]
     made = {"date": datetime.date.today().isoformat(), "version": version("ratestate")}
     line = LINE.format(**{name: escape(text) for name, text in (made | {"live": live}).items()})
@@ -132,7 +132,7 @@ def _picture(entries, deadline):
     return header, wire.answer(1, "picture", arrays, **header)
 
 
-def _answered(job, ask, entries, deadline, **more):
+def _answered_row(job, ask, entries, deadline, **more):
     """Return the row with the answer of a job, or why there is none."""
     reply, _ = run_job(job, wire.Question(1, ask, entries, **more), deadline)
     return _row(ask, entries, reply, **more)

@@ -164,7 +164,7 @@ def _smallest_escapes(system, columns, is_single, progress):
     stable = system.stable & (system.margin != 0.0)
     sizes = np.where(stable, np.inf, 0.0) * np.ones((4, 1))
     outcome = np.where(stable, "none", "no steady sliding").astype("<U17")
-    u = _nowhere(system)
+    u = _unknown_points(system)
     may_leave = stable & system.may_cycle
     if law_edge := EDGES.get(system.friction_law.name):
         for i in np.flatnonzero(may_leave & (system.eta == 0.0)):
@@ -214,7 +214,7 @@ def _search(system, kind, largest, progress):
     """
     n = len(kind)
     low, high = np.zeros(n), np.full(n, np.inf)
-    status, u = np.full(n, STEADY_SLIDING), _nowhere(system)
+    status, u = np.full(n, STEADY_SLIDING), _unknown_points(system)
     trial, rows = np.minimum(SIZES, largest[:, None]), np.arange(n)
     while len(rows):
         m = trial.shape[1]
@@ -254,10 +254,10 @@ def _disturbed(system, kind, size):
     at_once = (kind >= 2) & (system.eta == 0.0)  # without mass friction follows the stress
     law, psi, p = system.friction_law, tuple(y[:, 2:].T), system.coefficients
 
-    def off(v):
+    def excess_stress(v):
         return law.at(v, psi, p).S - y[:, 0]
 
-    y[:, 1] = np.where(at_once, root(off, y[:, 1], at_once), y[:, 1])
+    y[:, 1] = np.where(at_once, root(excess_stress, y[:, 1], at_once), y[:, 1])
     return y
 
 
@@ -275,6 +275,6 @@ def _largest_steps(system, columns):
     return np.minimum([up, down], farthest)
 
 
-def _nowhere(system):
+def _unknown_points(system):
     """Return unknown points (n, k) of the section."""
     return np.full((len(system.kappa), 1 + len(system.friction_law.states)), np.nan)

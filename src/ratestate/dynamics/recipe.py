@@ -20,7 +20,7 @@ from ..model.units import is_array
 from .refusals import refusal
 
 #: longest column in an attribute, which holds 64 KiB in a NetCDF file; longer ones are variables
-MANY = 1000
+LONGEST_COLUMN = 1000
 
 
 @functools.cache
@@ -76,7 +76,7 @@ def _plain(result, name, symbol, value):
         return value
     if symbol == "times":
         return {"variable": "t" if is_array(value) else "time"}
-    if not is_array(value) and value.size <= MANY:
+    if not is_array(value) and value.size <= LONGEST_COLUMN:
         return value.tolist()
     known = result.coords.get(symbol)
     if is_array(value) and known is not None and known.variable.equals(value.variable):

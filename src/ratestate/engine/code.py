@@ -126,10 +126,10 @@ def _operators(of_doubles, of_ints=None, is_test=False):
     def applied(self, other):
         return written(self.code, self, other)
 
-    def from_the_right(self, other):
+    def reflected(self, other):
         return written(self.code, other, self)
 
-    return applied, from_the_right
+    return applied, reflected
 
 
 class Value:

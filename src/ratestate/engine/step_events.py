@@ -16,7 +16,7 @@ FORCE_TOLERANCE = 0.01
 # Weights of x, the stress S that opposes motion, the strength N and friction R in `units.force`.
 INERTIAL_FORCE = (1.0, -1.0, 0.0, 0.0)
 FRICTION, X_PLUS_N = (0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 1.0, 0.0)
-NOTHING = (0.0, 0.0, 0.0, 0.0)  # inputs of `units.speed`
+NO_INPUTS = (0.0, 0.0, 0.0, 0.0)  # inputs of `units.speed`
 #: `root` looks for the zero, whatever the value there
 ANY_VALUE = (math.inf, -math.inf)
 #: height of an extreme above the ends of a Taylor step that is assumed not to be exceeded, as a
@@ -115,7 +115,7 @@ def extreme_speed(run, l, known):
 
     If the extreme lies between the two known values, the result is the start of the step.
     """
-    return root(run, l, run.units.speed, NOTHING, 0.0, 1.0, 0.0, known)
+    return root(run, l, run.units.speed, NO_INPUTS, 0.0, 1.0, 0.0, known)
 
 
 def crossing(run, l, speeds, low, high):

@@ -12,14 +12,14 @@ from ..model.units import unit_factor
 from .stored import PARTS
 
 #: dimensions of a few numbers each, which are columns of a table, not rows
-ACROSS = ("mode", "multiplier")
+COLUMN_DIMS = ("mode", "multiplier")
 #: dimension of the loading's own record, which is no part of a table of results
 RECORD = "segment"
 FORMAT = {"index": False, "lineterminator": "\n"}
 #: SI unit -> the unit in a table, whatever the values: so columns of several tables can be joined
 UNITS = {"m": "um", "m/s": "um/s", "Pa": "MPa", "Pa/m": "GPa/m", "Pa s/m": "MPa s/m"}
 #: lengths that are displacements of the load point, over a whole experiment
-LONG = {"delta_lp": "mm", "step_delta_lp": "mm"}
+LENGTH_UNITS = {"delta_lp": "mm", "step_delta_lp": "mm"}
 #: separates the lines of a text in a table
 BETWEEN_LINES = " | "
 
@@ -43,7 +43,7 @@ def csv_text(data):
     """
     import pandas
 
-    rows = [dim for dim in data.sizes if dim not in (*ACROSS, RECORD)]
+    rows = [dim for dim in data.sizes if dim not in (*COLUMN_DIMS, RECORD)]
     sizes = {dim: data.sizes[dim] for dim in rows}
     first = {dim: data[dim].variable for dim in rows if dim in data.variables}
     others = {k: v for k, v in data.variables.items() if k not in first}
@@ -59,10 +59,10 @@ def csv_text(data):
 
 
 def _columns(name, variable):
-    """Yield the columns of a variable: (label, real Variable without dimensions `ACROSS`)."""
+    """Yield the columns of a variable: (label, real Variable without dimensions `COLUMN_DIMS`)."""
     unit = variable.attrs.get("units", "1")
     unit = "" if unit == "1" else f" [{unit}]"
-    across = [dim for dim in variable.dims if dim in ACROSS]
+    across = [dim for dim in variable.dims if dim in COLUMN_DIMS]
     for index in itertools.product(*(range(variable.sizes[dim]) for dim in across)):
         column = variable.isel(dict(zip(across, index, strict=True)))
         label = name + "".join(f"[{i}]" for i in index)
@@ -150,7 +150,7 @@ def laboratory_unit(name, si, unit=None):
     By default SI decides.  ValueError if the unit does not fit.
     """
     if unit is None:
-        unit = LONG.get(name, UNITS.get(si, si))
+        unit = LENGTH_UNITS.get(name, UNITS.get(si, si))
     size = 1.0 if unit == si else float(unit_factor(si, unit))
     return "" if unit == "1" else unit, size
 

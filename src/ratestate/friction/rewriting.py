@@ -35,10 +35,10 @@ class Derivative:
 
     def __call__(self, x):
         if x not in self.derivatives:
-            self.derivatives[x] = self.graph.number(0.0) if x.is_constant else self._of(x)
+            self.derivatives[x] = self.graph.number(0.0) if x.is_constant else self._derivative(x)
         return self.derivatives[x]
 
-    def _of(self, x):
+    def _derivative(self, x):
         total = self.graph.number(0.0)
         if x.kind == "sum":
             for term, factor in x.parts:

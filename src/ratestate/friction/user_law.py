@@ -220,7 +220,7 @@ def check_formulas(law, values):
     _check_finite("a derivative of ", "evolution", at.f_slopes)
     _check_finite("", "friction", at.R)
     _check_finite("a derivative of ", "friction", at.R_slopes)
-    if (by_v := _on_grid(at.R_slopes[0])).min() <= 0.0:
+    if (by_v := _grid_values(at.R_slopes[0])).min() <= 0.0:
         k = np.argmax(by_v <= 0.0)
         raise FormulaError(
             f"friction must rise with V at a constant state: d mu/d ln V = "
@@ -229,7 +229,7 @@ def check_formulas(law, values):
             "friction",
         )
     for name, rate in zip(law.states, at.f, strict=True):
-        for V, row in zip(SPEEDS[:, 0], _on_grid(rate), strict=True):
+        for V, row in zip(SPEEDS[:, 0], _grid_values(rate), strict=True):
             _check_steady(name, V, row)
     if problem := steady_problem(steady_point(law, p, 0.0)):
         raise FormulaError(
@@ -261,7 +261,7 @@ def _check_finite(prefix, method, numbers):
     if isinstance(numbers, tuple):
         for number in numbers:
             _check_finite(prefix, method, number)
-    elif (bad := ~np.isfinite(_on_grid(numbers))).any():
+    elif (bad := ~np.isfinite(_grid_values(numbers))).any():
         raise FormulaError(
             f"{prefix}{method} is infinite or NaN at {_describe_point(np.argmax(bad))}. Give "
             f"another formula for this range with ratestate.laws.where.",
@@ -290,7 +290,7 @@ def _check_steady(name, V, rate):
     )
 
 
-def _on_grid(x):
+def _grid_values(x):
     return np.broadcast_to(x, (SPEEDS.size, AGES.size))
 
 

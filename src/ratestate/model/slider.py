@@ -152,7 +152,7 @@ class SpringSlider(SliderParameters):
         It is the lowest such velocity: 0 if steady sliding is unstable at all low velocities, and
         inf if steady sliding is stable at all velocities.
         """
-        return self._evaluate("V_c", V_c, "V_c", **self._pick("sigma", "K", "M"))
+        return self._evaluate("V_c", V_c, "V_c", **self._values_of("sigma", "K", "M"))
 
     @property
     def V_c_upper(self):
@@ -160,12 +160,12 @@ class SpringSlider(SliderParameters):
 
         Under a law with a characteristic speed, it may become unstable again above V_c_upper.
         """
-        return self._evaluate("V_c_upper", V_c, "V_c_upper", **self._pick("sigma", "K", "M"))
+        return self._evaluate("V_c_upper", V_c, "V_c_upper", **self._values_of("sigma", "K", "M"))
 
     @property
     def f_n(self):
         """Natural frequency [Hz], sqrt(K/M)/(2 pi); inf if M = 0 or K = inf."""
-        return named("f_n", f_n(**self._pick("K", "M")))
+        return named("f_n", f_n(**self._values_of("K", "M")))
 
     def K_c(self, V):
         """Return the critical stiffness for sliding at V (eq. 6).
@@ -183,7 +183,7 @@ class SpringSlider(SliderParameters):
         float or DataArray
             K_c [Pa/m].
         """
-        return self._evaluate("K_c", K_c, V=self._speed_in_si(V), **self._pick("sigma", "M"))
+        return self._evaluate("K_c", K_c, V=self._speed_in_si(V), **self._values_of("sigma", "M"))
 
     def eta(self, V):
         """Return the dynamic instability coefficient for sliding at V (eq. 7).
@@ -198,7 +198,7 @@ class SpringSlider(SliderParameters):
         float or DataArray
             Coefficient eta [1].
         """
-        return named("eta", eta(self._speed_in_si(V), **self._pick("a", "Dc", "sigma", "M")))
+        return named("eta", eta(self._speed_in_si(V), **self._values_of("a", "Dc", "sigma", "M")))
 
     def steady_stress(self, V):
         """Return tau/sigma in steady sliding at V: friction, and damping if there is any.
@@ -217,7 +217,7 @@ class SpringSlider(SliderParameters):
         def of_law(law, V, **values):
             return law.steady_tau(V, values)
 
-        values = self._pick("sigma", "mu0", "V0")
+        values = self._values_of("sigma", "mu0", "V0")
         return self._evaluate("tau_by_sigma", of_law, V=self._speed_in_si(V), **values)
 
     def _evaluate(self, symbol, function, part=None, **given):
@@ -227,10 +227,10 @@ class SpringSlider(SliderParameters):
             result = function(self.friction_law, **arrays)
             return result if part is None else getattr(result, part)
 
-        values = given | self._pick(*self.friction_law.symbols)
+        values = given | self._values_of(*self.friction_law.symbols)
         return named(symbol, call_elementwise(of_arrays, values))
 
-    def _pick(self, *symbols):
+    def _values_of(self, *symbols):
         return {symbol: getattr(self, symbol) for symbol in symbols}
 
     def _speed_in_si(self, V):

@@ -14,7 +14,7 @@ from .parameters import FIG2
 RATIO = 1.01  # K/K_c_qs
 SPEEDS = (0.74, 0.995, 24)  # V_lp/V_c: first, last, number
 EXAMPLE = 0.9  # V_lp/V_c of the runs shown
-ASIDE = 0.05  # by which their steps miss the edge of the basin
+EDGE_DISTANCE = 0.05  # by which their steps miss the edge of the basin
 CYCLES = 500.0
 # Without inertia, slip law: stiffness over K_c_qs, at a speed from which light is far.
 STIFFNESS = (1.0001, 10.0, 25)
@@ -60,7 +60,7 @@ def compute(law):
 def _two_runs(slider, V_lp):
     """Run steps to V_lp on either side of the edge of its basin; return also the earlier speeds."""
     edge = escape(slider, V_lp)
-    side = xarray.DataArray([1.0 - ASIDE, 1.0 + ASIDE], dims="side")
+    side = xarray.DataArray([1.0 - EDGE_DISTANCE, 1.0 + EDGE_DISTANCE], dims="side")
     before = V_lp / (1.0 + (float(edge.step_up) - 1.0) * side)
     period = float(edge.unstable_period)
     start, times = 2.0 * period, np.linspace(-2.0, CYCLES, 12000) * period

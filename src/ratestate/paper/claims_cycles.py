@@ -34,7 +34,7 @@ def on_cycles(law):
     best = sweeps[TIGHT]
     of_scheme = [_scheme(s, c) for s, c in zip(sliders, best, strict=True)]
 
-    def both(measure, branches=(0, 1)):
+    def by_branch(measure, branches=(0, 1)):
         """Apply a measure of (slider, sweep) to these branches: converged, and by the scheme."""
 
         def values(sweep):
@@ -52,13 +52,13 @@ def on_cycles(law):
 
         slips = (value(sliders[i], best[i]) - value(sliders[i], best[i], 2) for i in branches)
         error = {"error": factor * max(map(abs, slips)), "error_from": HALF_AS_DENSE}
-        return both(lambda *case: factor * value(*case), branches) | error
+        return by_branch(lambda *case: factor * value(*case), branches) | error
 
     texts = {
         "grown": GROWN,
         "worst": 100 * _worst(best, of_scheme),
         "fastest": " ".join(map(_fastest, sliders)),
-        **_apart(sliders, best),
+        **_effects_of_reversal(sliders, best),
     }
     measures = {
         "slope": lambda slider, sweep: _line(sweep, sweep.V_lp)[0],
@@ -71,7 +71,7 @@ def on_cycles(law):
             np.diff(np.log(sweep.frequency)) / np.diff(np.log(sweep.V_lp))
         ),
     }
-    measured = {name: both(measure) for name, measure in measures.items()} | {
+    measured = {name: by_branch(measure) for name, measure in measures.items()} | {
         "eta_at_minimum": at_minimum(lambda slider, V_lp: slider.eta(V_lp)),
         "eta_1": exact(1e2 / math.sqrt(FIG4.eta(1.0))),
         "K_c_qs_fig4": exact(FIG4.K_c_qs / 1e9),
@@ -81,7 +81,7 @@ def on_cycles(law):
     rows = {name: row | {"texts": texts} for name, row in measured.items()}
     for i, K in enumerate(FIG4_K):
         minimum = at_minimum(lambda slider, V_lp: V_lp, (i,), 1e2)
-        rows[f"minimum_{K / 1e9:.2f}"] = minimum | {"texts": {"above": 100 * _above(best[i])}}
+        rows[f"minimum_{K / 1e9:.2f}"] = minimum | {"texts": {"above": 100 * _excess(best[i])}}
     return rows
 
 
@@ -90,7 +90,7 @@ def _turned(slider, rtol):
     return limit_cycle(slider.replace(friction_form="regularized"), float(SWEEP[-1]), rtol=rtol)
 
 
-def _apart(sliders, sweeps):
+def _effects_of_reversal(sliders, sweeps):
     """Return what such friction changes: relative amplitude, and the smallest V/V_lp."""
     turned = [_turned(slider, TIGHT) for slider in sliders]
     pairs = zip(turned, sweeps, strict=True)
@@ -155,7 +155,7 @@ def _minimum(sweep, every=1):
     return math.exp(V[i] + at), np.polyval(fit, at)
 
 
-def _above(sweep):
+def _excess(sweep):
     """Return by how much the amplitude at 3 cm/s exceeds the smallest."""
     middle = sweep.amplitude.sel(V_lp=MIDDLE.values)
     between = make_interp_spline(np.log(MIDDLE.values), middle)

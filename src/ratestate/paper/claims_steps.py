@@ -70,22 +70,22 @@ def on_steps(law):
         "K_c_qs": exact(1e-6 * slider.K_c_qs),
         "V_c": V_c,
         "K_c_of_steps": exact(*(1e-6 * slider.K_c(V) for V in FIG2_SPEEDS[1:])),
-        "first_swing": pair(lambda rtol: _swing(slider, rtol)),
+        "first_swing": pair(lambda rtol: _largest_speeds(slider, rtol)),
         "growth_rates": exact(*rates),
-        **{f"step_to_{1e3 * V:g}": _fate(slider, V) for V in FIG2_SPEEDS},
+        **{f"step_to_{1e3 * V:g}": _remaining_oscillation(slider, V) for V in FIG2_SPEEDS},
         "cycle_range": _cycle(slider, FIG2_SPEEDS[-1]),
     }
     return {name: row | {"texts": {"largest": LARGEST}} for name, row in measured.items()}
 
 
-def _swing(slider, rtol):
+def _largest_speeds(slider, rtol):
     """Return the largest V/V_lp after each step."""
     V_lp = xarray.DataArray(FIG2_SPEEDS, dims="V_lp")
     run = simulate(slider, Loading.constant(V_lp), 1.0, V_start=FIG2_START, rtol=rtol)
     return run.V_max.values / V_lp.values
 
 
-def _fate(slider, V_lp):
+def _remaining_oscillation(slider, V_lp):
     """Measure the oscillation that is left after the step to V_lp."""
     times = FIG2_DURATION + np.linspace(-LAST, 0.0, 2001)
     step = FIG2_START, V_lp, FIG2_DURATION, LAST

@@ -45,7 +45,7 @@ def draw(data):
     top.set_yticks([0.53, 0.54, 0.55, 0.56, 0.57])
     top.legend(loc="upper right", ncols=3)
     top.tick_params(labelbottom=True)
-    _late(top.inset_axes((0.09, 0.11, 0.25, 0.34)), runs, sigma)
+    _draw_last_cycles(top.inset_axes((0.09, 0.11, 0.25, 0.34)), runs, sigma)
     _phases(top.inset_axes((0.43, 0.11, 0.23, 0.34)), runs, "whole 10 s", 1.0)
     near = top.inset_axes((0.745, 0.11, 0.235, 0.34))
     _phases(near, runs, "about the steady points", 0.5)
@@ -57,7 +57,7 @@ def draw(data):
     return fig
 
 
-def _late(ax, runs, sigma):
+def _draw_last_cycles(ax, runs, sigma):
     for run, color in runs:
         end = run.sel(time=slice(9.9, None))
         ax.plot(end.time, end.tau / sigma, color=color, lw=0.9)

@@ -37,7 +37,7 @@ class SweepAxis(NamedTuple):
         """Abscissae of such values."""
         return np.exp(even) if self.logarithmic else even
 
-    def each(self, dim):
+    def labels(self, dim):
         """What a legend says of each value (list of str)."""
         values = self.names or [f"{value:.4g}" for value in self.values]
         return [f"{label(dim)} = {value} {self.unit}".rstrip() for value in values]

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray
 
-from ..dynamics.recipe import MANY, recorded_loading
+from ..dynamics.recipe import LONGEST_COLUMN, recorded_loading
 from ..dynamics.results import contact_area, normal_stress, parameter, slider_parameters
 from ..dynamics.steady_sliding import steady_stress
 from ..engine.model import FINISHED
@@ -41,7 +41,7 @@ def named_runs(runs):
     elif isinstance(runs, dict):
         names, parts = [str(key) for key in runs], [*runs.values()]
     else:
-        names, parts = _along_a_dimension(_checked(runs))
+        names, parts = _cases_of_sweep(_checked(runs))
     if not parts:
         raise ParameterError("there are no runs to draw", "Give at least one result of simulate.")
     parts = [_with_own_time(_checked(run)) for run in parts]
@@ -98,7 +98,7 @@ def _sweep_dims(run):
     return [dim for dim in run.tau.dims if dim != "time"]
 
 
-def _along_a_dimension(runs):
+def _cases_of_sweep(runs):
     """Names and cases of a sweep over one dimension; the run itself if it is one."""
     dims = _sweep_dims(runs)
     if not dims:
@@ -110,7 +110,7 @@ def _along_a_dimension(runs):
             "Pick values of the others with .isel.",
         )
     (dim,) = dims
-    return axis_of(runs, dim).each(dim), [runs.isel({dim: i}) for i in range(runs.sizes[dim])]
+    return axis_of(runs, dim).labels(dim), [runs.isel({dim: i}) for i in range(runs.sizes[dim])]
 
 
 def _with_own_time(run):
@@ -118,7 +118,7 @@ def _with_own_time(run):
     return run.assign_coords(time=run.t.variable).drop_vars("t") if "t" in run.coords else run
 
 
-def _named(symbol, value, run):
+def _value_name(symbol, value, run):
     if symbol in ("law", "friction_form"):
         return f"{value} {symbol}"
     return value_text(symbol, value, area=contact_area(run))
@@ -136,7 +136,7 @@ def _differences(runs):
         ]
         if len(set(values)) > 1:
             for part, value, run in zip(parts, values, runs, strict=True):
-                part.append(_named(symbol, value, run))
+                part.append(_value_name(symbol, value, run))
     names = [", ".join(part) for part in parts]
     return names if len(set(names)) == len(names) else [f"run {i + 1}" for i in range(len(names))]
 
@@ -177,7 +177,7 @@ def _load(run):
     """Times and speeds of the load point, with its jumps if they are known; NaN at rest."""
     t, V = run.time.values, run.V_load.values
     loading = recorded_loading(run)
-    if loading is not None and loading.V.ndim == 1 and loading.t.size <= MANY:
+    if loading is not None and loading.V.ndim == 1 and loading.t.size <= LONGEST_COLUMN:
         starts = loading.t - run.attrs.get("t_zero", 0.0)
         ends = np.append(starts[1:], max(t[-1], starts[-1]))
         t = np.column_stack([starts, ends]).ravel()

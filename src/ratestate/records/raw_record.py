@@ -20,7 +20,7 @@ from .messages import raw_record as sentences
 from .reading.sizes import check_stress, constant_in_si
 
 #: fewest samples
-FEWEST = 30
+MIN_SAMPLES = 30
 #: bounds of friction, which may be a change from some level; longest load-point displacement [m]
 MIN_MU, MAX_MU, MAX_DISTANCE = -0.1, 3.0, 10.0
 #: largest difference of a given loading from the recorded displacement, as a fraction of its range
@@ -52,8 +52,8 @@ class RawRecord(NamedTuple):
 def raw_record(data, slider):
     """Return the `RawRecord` in a Dataset of `read_lab` or `simulate`.
 
-    ParameterError if data is not a Dataset, has fewer than `FEWEST` samples, or has times that do
-    not increase; if a variable is absent, not along time alone, or not finite; or if the size of
+    ParameterError if data is not a Dataset, has fewer than `MIN_SAMPLES` samples, or has times that
+    do not increase; if a variable is absent, not along time alone, or not finite; or if the size of
     friction, displacement or the slider's normal stress shows that its unit is wrong.
     """
     if slider is not None:
@@ -75,8 +75,8 @@ def checked_time(data):
     if not isinstance(data, xarray.Dataset):
         raise sentences.refusal("record.type", type=type(data).__name__)
     time = column(data, "time")
-    if time.size < FEWEST:
-        raise sentences.refusal("record.few", samples=time.size, fewest=FEWEST)
+    if time.size < MIN_SAMPLES:
+        raise sentences.refusal("record.few", samples=time.size, fewest=MIN_SAMPLES)
     if not (np.diff(time) > 0.0).all():
         row = int(np.argmin(np.diff(time) > 0.0)) + 1
         raise sentences.refusal(

@@ -115,12 +115,12 @@ def _texts(laws: Laws, symbol: str, factor: float) -> list[Cells]:
         # if one side is open, the closed side sets the digits
         closed = [abs(end - value) for end in ends[0] if np.isfinite(end) and end != 0.0]
         digits = error if np.isfinite(error) else min(closed, default=np.inf)
-        usual, wide = (" to ".join(_end(end, digits) for end in pair) for pair in ends)
+        usual, wide = (" to ".join(_end_text(end, digits) for end in pair) for pair in ends)
         cells.append((_plus_minus(value, error, digits), usual, wide))
     return cells
 
 
-def _end(value: float, digits: float) -> str:
+def _end_text(value: float, digits: float) -> str:
     return rounded(value, digits) if np.isfinite(value) else "(open)"
 
 

@@ -45,7 +45,7 @@ KINDS = {
 BEFORE = "kind step_t step_delta_lp V_before V_after t_hold sigma sigma_after".split()
 AFTER = "rms aic aic_difference samples status warnings message".split()
 #: heads of the joint rows, and their cells in columns without a joint value
-TOGETHER, BLANK = ("all", "scatter", "up/down"), ("", "", "")
+JOINT_ROWS, BLANK = ("all", "scatter", "up/down"), ("", "", "")
 
 
 def blocks(result):
@@ -72,7 +72,7 @@ def table_of(result, law):
     times = [f"{float(step['step_t']):.1f}" for step in steps]
     heads = [*HEADS]
     columns = [
-        [*(str(int(step["step"])) for step in steps), *TOGETHER],
+        [*(str(int(step["step"])) for step in steps), *JOINT_ROWS],
         [*times, *BLANK],
         [*map(change_text, steps), *BLANK],
     ]

@@ -20,7 +20,7 @@ from .problems import Place, Problem
 from .scenario import FUNCTIONS, Output, Scenario
 from .tables import Sweep
 
-FEW = 10**5  # cases whose initial values are checked one by one
+MAX_CHECKED = 10**5  # cases whose initial values are checked one by one
 
 
 class Tables(NamedTuple):
@@ -174,7 +174,7 @@ def _check_initial(slider: SpringSlider, values: dict[str, Any], loading: Loadin
     given = slider.values | {"V_start": 1.0 if start is None else start}
     given |= initial_values(values["initial"], slider.friction_law)
     batch = Batch(given, {"V_lp": speeds.V} if is_array(speeds.V) else {})
-    if batch.n <= FEW:
+    if batch.n <= MAX_CHECKED:
         table, rows = batch.rows(speeds.V)
         with np.errstate(divide="ignore"):
             initial_state(slider.friction_law, batch, table[rows, 0])

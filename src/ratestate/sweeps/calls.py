@@ -48,7 +48,7 @@ IN_CLOSED_FORM = ("stability", "frequency_response")
 RESERVED = ("message", "status", "sweep")
 DEVICES = ("cpu", "cuda")
 # Cases whose starts are checked at a time: some 30 MB.
-AT_A_TIME = 100_000
+MAX_CASES = 100_000
 
 
 def call_of(function, slider, arguments):
@@ -107,7 +107,7 @@ def undisturbed(name, call):
     """What a `RunWarning` says of cases of a checked call that stay on unstable sliding, or ""."""
     if name != "simulate":
         return ""
-    return undisturbed_warning(isel(call, part) for part in chunks_of(call.batch.sizes, AT_A_TIME))
+    return undisturbed_warning(isel(call, part) for part in chunks_of(call.batch.sizes, MAX_CASES))
 
 
 def check_device(name, call, device):

@@ -25,7 +25,7 @@ MAX_ITERATIONS, MAX_SECANTS = 10, 100
 # orbits graze a stop, is not one.
 JUMP = 0.01
 # Part of the step over which p is varied, if the map bends over the whole step.
-SHORTER = 1 / 16
+SHORTER_PART = 1 / 16
 
 
 class BranchPoint(NamedTuple):
@@ -119,7 +119,7 @@ def _linearised_map(problem, y, weights):
     """
     n = len(y) - 1
     step = np.sqrt(problem.noise)
-    p = y[-1] + step * np.array([0.0, 1.0, -1.0, SHORTER, -SHORTER])
+    p = y[-1] + step * np.array([0.0, 1.0, -1.0, SHORTER_PART, -SHORTER_PART])
     orbit = problem.evaluate(np.tile(y[:-1], (len(p), 1)), p)
     defined = orbit.ok & np.isfinite(orbit.image).all(axis=1)
     if not (defined[0] and defined[1:3].any() and np.isfinite(orbit.jacobian[0]).all()):
@@ -132,7 +132,7 @@ def _linearised_map(problem, y, weights):
     dP_dp = change / (p[above] - p[below])
     if defined.all():
         nearby = (orbit.image[3] - orbit.image[4]) / (p[3] - p[4])
-        noise = problem.noise * weights[:-1] / (SHORTER * step)
+        noise = problem.noise * weights[:-1] / (SHORTER_PART * step)
         dP_dp = np.where(np.abs(nearby - dP_dp) > noise, nearby, dP_dp)
     return orbit, np.column_stack([orbit.jacobian[0] - np.eye(n), dP_dp]) * weights
 

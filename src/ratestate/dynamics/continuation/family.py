@@ -54,7 +54,7 @@ SCALE_PSI, SCALE_G = 0.02, 1e-3
 # Divided by rtol: the tolerance of a return, and its error in units of SCALE.
 TOLERANCE, NOISE = 0.002, 0.1
 # Systems that a family keeps: a step along a branch needs each of a few several times.
-KEPT = 8
+CACHED_SYSTEMS = 8
 # Corrections of one point, each with finer returns or nearer to the branch than the last.
 MAX_CORRECTIONS = 12
 # Of the error estimate.
@@ -97,7 +97,7 @@ class CycleFamily:
         if key not in self.systems:
             with np.errstate(over="ignore"):
                 self.systems[key] = self.sliders(np.exp(p))
-            if len(self.systems) > KEPT:
+            if len(self.systems) > CACHED_SYSTEMS:
                 del self.systems[next(iter(self.systems))]
         return self.systems[key]
 
@@ -148,7 +148,7 @@ class CycleFamily:
         jacobian[:, :, -1] *= np.where(_is_slaved(system, U), 0.0, 1.0 / scale)[:, None]
         image = np.column_stack([returns.image[:, :-1], scale * returns.image[:, -1]])
         measures = {"period": returns.numbers["period"], "tol": tol}
-        return MapValues(image, jacobian, usable & returns.came_back, measures)
+        return MapValues(image, jacobian, usable & returns.has_returned, measures)
 
     def branch(self, U, p, *, stop, **options):
         """Return the `Branch` from U (k,) at p to stop; options as of `follow_branch`."""

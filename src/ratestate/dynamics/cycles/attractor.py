@@ -28,7 +28,7 @@ from .system import distance, select, small_amplitude, steady_sliding_at, tighte
 MAX_SEARCH_STEPS, MAX_RETURNS, LONGEST_PERIOD = 400, 2000, 32
 # A cycle of m returns that closes after m/2 of them, to this part of its distance from u = 0, is a
 # cycle of m/2.
-CLOSES = 1e-4
+MAX_CLOSURE = 1e-4
 # Amplitude of ln V below which a stable steady sliding is reached; and below which a cycle is
 # small enough for harmonic balance.
 STEADY, SMALL = 1e-2, 2e-2
@@ -44,7 +44,7 @@ LARGEST_LEAP, LARGEST_LEAP_WITHOUT_MASS = 0.3, 0.03
 # Share of the linear contraction by which the map may be nonlinear on the way to a fixed point.
 NONLINEAR = 0.5
 # Reversals in a row after which an orbit counts as alternating.
-ALTERNATES = 6
+MAX_REVERSALS = 6
 # A fixed point that the orbit does not reach may lie beside a cycle of twice the returns if its
 # multiplier is below this.
 FLIPS = -0.5
@@ -104,7 +104,7 @@ def find_attractors(system, start, rtol, progress, loosest=LOOSEST):
     stable = system.stable
     steady_tol = np.where(stable, 1e-6, 0.0)
     first = return_map(system, start, loosest, steady_tol=steady_tol)
-    status = np.where(first.came_back, RUNNING, first.status)
+    status = np.where(first.has_returned, RUNNING, first.status)
     period = first.numbers["period"]
     estimates = single_returns(first.image.copy(), loosest.astype(float), period, status=status)
     search, followed = np.zeros(n, _search_type(start.shape[1] - 1)), np.ones(n, np.int64)
@@ -120,9 +120,9 @@ def find_attractors(system, start, rtol, progress, loosest=LOOSEST):
         options = {"steady_tol": steady_tol[active]}
         returns = iterated_map(part, current.u, current.tol, current.n_returns, **options)
         followed[active] += current.n_returns
-        on_orbit = returns.came_back & ~searching["ahead"]
+        on_orbit = returns.has_returned & ~searching["ahead"]
         r = np.where(on_orbit, small_amplitude(part, current.u), np.inf)
-        estimates.status[active] = np.where(returns.came_back, RUNNING, returns.status)
+        estimates.status[active] = np.where(returns.has_returned, RUNNING, returns.status)
         estimates.period[active] = returns.numbers["period"]
         estimates.u[active], estimates.tol[active], converged, doubled = _advance_search(
             part, returns, current, searching, rtol, loosest[active], leap=number > 0
@@ -145,7 +145,7 @@ def _halve_periods(system, estimates):
     while len(rows):
         part, cycles = system.at(rows), estimates.at(rows)
         half = iterated_map(part, cycles.u, cycles.tol, cycles.n_returns // 2)
-        closes = distance(part, half.image - cycles.u) <= CLOSES * distance(part, cycles.u)
+        closes = distance(part, half.image - cycles.u) <= MAX_CLOSURE * distance(part, cycles.u)
         rows = rows[closes]
         estimates.n_returns[rows] //= 2
         estimates.period[rows] *= 0.5
@@ -340,4 +340,4 @@ def _alternates(system, search, move, first, refuted, on_orbit):
     search["reversals"] = np.where(on_orbit, reversals, search["reversals"])
     search["move"] = np.where(on_orbit[:, None], move, last)
     flips = refuted & (first.imag == 0.0) & (first.real < FLIPS)
-    return flips | (search["reversals"] >= ALTERNATES)
+    return flips | (search["reversals"] >= MAX_REVERSALS)

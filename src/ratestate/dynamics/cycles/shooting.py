@@ -40,7 +40,7 @@ class Returns(NamedTuple):
     gradients: dict
 
     @property
-    def came_back(self):
+    def has_returned(self):
         """Whether each slider came back to the section."""
         return self.status == FINISHED
 
@@ -118,17 +118,17 @@ def iterated_map(system, u, atol, count, *, steady_tol=0.0, observe=False, perio
     atol, steady_tol = np.broadcast_to(atol, n), np.broadcast_to(steady_tol, n)
     periods = np.ones(n) if period is None else period / count
 
-    def once(rows, u):
+    def one_return(rows, u):
         """Return one return of the sliders with these numbers."""
         part = system.at(rows)
         y, assumed = state(part, u), None if period is None else periods[rows]
         options = {"steady_tol": steady_tol[rows], "observe": observe, "period": assumed}
         return return_map(part, y, atol[rows], **options)
 
-    returns = once(np.arange(n), u)
+    returns = one_return(np.arange(n), u)
     for number in range(1, int(count.max(initial=1))):
-        rows = np.flatnonzero((count > number) & returns.came_back)
-        _append(returns, rows, once(rows, returns.image[rows]), 2.0 * np.pi / periods[rows])
+        rows = np.flatnonzero((count > number) & returns.has_returned)
+        _append(returns, rows, one_return(rows, returns.image[rows]), 2.0 * np.pi / periods[rows])
     return returns
 
 

@@ -14,7 +14,7 @@ import typer
 from typer.core import TyperCommand
 
 from ...model.names import nearest
-from ...paper.figures import BEYOND
+from ...paper.figures import EXTRAS
 from .exits import EXIT_CODES, exit_on_error
 from .output import warnings_as_lines
 
@@ -23,9 +23,9 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an e
 
 def _tables() -> dict[str, dict[str, Any]]:
     """Return the tables of commands.toml, with the figures beyond the paper filled in."""
-    beyond = "; ".join(f"{key}: {figure.help}" for key, figure in BEYOND.items())
+    beyond = "; ".join(f"{key}: {figure.help}" for key, figure in EXTRAS.items())
     text = Path(__file__).with_name("commands.toml").read_text("utf-8")
-    return tomllib.loads(text.replace("{names}", "|".join(BEYOND)).replace("{beyond}", beyond))
+    return tomllib.loads(text.replace("{names}", "|".join(EXTRAS)).replace("{beyond}", beyond))
 
 
 _TABLES = _tables()

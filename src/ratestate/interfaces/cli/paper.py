@@ -9,7 +9,7 @@ from ...paper.figures import FIGURES, LAWS
 from .options import laws_of, own_values
 from .output import make_writable, print_json, print_rich, reporting_files
 
-OUT = Path("figures")
+FOLDER = Path("figures")
 
 
 def figures(
@@ -17,7 +17,7 @@ def figures(
     *,
     law: str | None = None,
     law_file: Path | None = None,
-    out: Path = OUT,
+    out: Path = FOLDER,
     no_titles: bool = False,
     json: bool = False,
 ) -> None:
@@ -66,7 +66,7 @@ def atlas(
     law_file: Path | None = None,
     of_law: list[str] | None = None,
     n: int = 200,
-    out: Path = OUT,
+    out: Path = FOLDER,
     json: bool = False,
 ) -> None:
     """Map the regimes of any spring-slider against its stiffness and speed.

@@ -162,14 +162,14 @@ def markdown(
         columns=TextTable(heads, rows).markdown(),
         picture=SENTENCES(f"{kind}.picture"),
         files=SENTENCES(f"{kind}.files"),
-        further=_further(request, record, result),
+        further=_python_lines(request, record, result),
         versions=", ".join(map(" ".join, json.loads(result.attrs["versions"]).items())),
         **_python(request, slider),
     )
     return re.sub("\n{3,}", "\n\n", text)  # without the gaps that empty parts leave
 
 
-def _further(request: FitRequest, record: xarray.Dataset, result: xarray.Dataset) -> str:
+def _python_lines(request: FitRequest, record: xarray.Dataset, result: xarray.Dataset) -> str:
     """Return the Python lines that go on with the best law; "" after fits of steps."""
     if has_steps(result):
         return ""

@@ -34,7 +34,7 @@ def load_scenario(file: Path, function: str | None, law_file: Path | None) -> Sc
     return scenarios.loads(text, function, name="standard input", law_file=law_file)
 
 
-def do(scenario: Scenario, outputs: Outputs, units: dict[str, str]) -> None:
+def run_and_report(scenario: Scenario, outputs: Outputs, units: dict[str, str]) -> None:
     """Run a scenario, print the result, and write the requested files.
 
     Raises `typer.Exit` with code 3 after a part of a branch, or if cases failed; with code 2 after

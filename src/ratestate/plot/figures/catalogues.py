@@ -42,7 +42,7 @@ class Named(NamedTuple):
 @styled
 def events_figure(catalogues):
     """Draw the figure of a catalogue, or of a list or dict of them: records above, lines below."""
-    named = _named(catalogues)
+    named = _checked_catalogues(catalogues)
     loaded = any(bool(catalogue.data.recurrence.notnull().any()) for catalogue in named)
     heights = [RECORD * len(named) + 0.3, *([BELOW + 0.3] if loaded else [])]
     what = named[0].name if len(named) == 1 else f"{len(named)} catalogues"
@@ -81,7 +81,7 @@ def _lines(named, part):
     letters(axes, *texts, first=chr(ord("a") + len(named)))
 
 
-def _named(catalogues):
+def _checked_catalogues(catalogues):
     """list of `Named`; ParameterError for anything else, none, or more than have looks."""
     if isinstance(catalogues, xarray.Dataset):
         catalogues = [catalogues]

@@ -79,7 +79,7 @@ def non_gaussian(result):
     Empty if there is no profile or posterior of any, under any law.
     """
     laws = results_by_law(result)
-    free = {s: _those_with(laws, s).values() for s in estimated_symbols(laws) if s not in DERIVED}
+    free = {s: _laws_with(laws, s).values() for s in estimated_symbols(laws) if s not in DERIVED}
     drawn = (_profile(p, s) or _samples(p, s) is not None for s, has in free.items() for p in has)
     if not any(drawn):
         return []
@@ -88,7 +88,7 @@ def non_gaussian(result):
     ]
 
 
-def _those_with(laws, symbol):
+def _laws_with(laws, symbol):
     return {law: part for law, part in laws.items() if symbol in part["parameter"].values}
 
 
@@ -98,7 +98,7 @@ def _standard_error(part, symbol):
 
 def likelihood(result, symbol, ax):
     """Draw a parameter's likelihood as a line (profile, or else Gaussian), a posterior filled."""
-    laws = _those_with(results_by_law(result), symbol)
+    laws = _laws_with(results_by_law(result), symbol)
     largest = max(abs(float(part[symbol])) for part in laws.values())
     factor, unit = scaled(symbol, largest)
     for law, part in laws.items():

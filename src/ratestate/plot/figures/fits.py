@@ -5,21 +5,21 @@ import numpy as np
 from ...errors import ParameterError
 from ...model.conversion import in_si
 from ...records.fitting.by_law import checked_by_law, has_steps, law_of, value_of
-from ..curves import WHOLE, curves, marks, normal_95, record_of, residuals
+from ..curves import ALL_ROWS, curves, marks, normal_95, record_of, residuals
 from ..labels import LAWS
 from ..layout import letters, styled
 from .fit_parts import finished, framed, legend
 from .steps import steps_figure
 
 #: close-ups: how many at most, the fewest samples, what is before a step over what is after it
-MOST, FEWEST, BEFORE = 3, 12, 0.3
+MAX_CLOSE_UPS, FEWEST, PART_BEFORE = 3, 12, 0.3
 #: what is after it: over the longest Dc, and over the displacement that loads the spring by the
 #: direct effect
 AFTER, LOADING = 6.0, 2.0
 #: speed of slip after a hold over that of the load point, for want of a better one
 QUIET = 1e-4
 #: part of the record from which on a close-up shows nothing new
-NEARLY_ALL = 0.7
+MAX_PART = 0.7
 #: heights [inches] of a record and of residuals
 RECORD, RESIDUAL = 2.0, 0.62
 #: cycles seen from close by
@@ -85,7 +85,7 @@ def fit_figure(result, x=None):
     fig, (top, *below) = framed(result, laws, sum(heights))
     ratios = [1.25, 1.0] if len(close) == 1 else None
     axes = top.subplot_mosaic(rows, height_ratios=heights, width_ratios=ratios)
-    views = {"record": WHOLE} | close
+    views = {"record": ALL_ROWS} | close
     for name, samples in views.items():
         curves(record, axes[name], samples)
         marks(record, axes[name], named=name == "record")
@@ -129,11 +129,11 @@ def _close_ups(record):
         reach = max(_reach(part, change) for part in record.laws.values())
         start = record.at(change.start)
         high = record.at(min(change.end, change.start + reach / change.V))
-        low = max(record.at(change.previous), start - BEFORE * (high - start))
+        low = max(record.at(change.previous), start - PART_BEFORE * (high - start))
         rows = slice(*np.searchsorted(record.values, (low, high)))
-        if rows.stop - rows.start >= FEWEST and high - low < NEARLY_ALL * record.values[-1]:
+        if rows.stop - rows.start >= FEWEST and high - low < MAX_PART * record.values[-1]:
             views[f"{change.text(with_duration=True)} ({i})"] = rows
-    return dict(list(views.items())[:MOST])
+    return dict(list(views.items())[:MAX_CLOSE_UPS])
 
 
 def _reach(part, change):

@@ -52,7 +52,7 @@ def overview(run, verdict, *, orbit=None, others=(), chart=None, caption=()):
     left, right = fig.subfigures(1, 2, squeeze=False, width_ratios=[1.4, 1])[0]
     stresses, speeds = left.subplots(2, 1, sharex=True)
     phase, *maps = right.subplots(1 if chart is None else 2, 1, squeeze=False)[:, 0]
-    kept = _kept(run, others)
+    kept = _other_runs(run, others)
     behind = [other._replace(name="_") for other in kept]
     _stress(stresses, run, kept)
     speed([NamedRun(run, "slip", {"color": BLUE}), *behind], speeds)
@@ -60,7 +60,7 @@ def overview(run, verdict, *, orbit=None, others=(), chart=None, caption=()):
     cycle = [] if orbit is None else [NamedRun(orbit, "limit cycle", {"color": BLUE, "lw": 1.4})]
     runs = [*behind, NamedRun(run, "run", {"color": GRAY, "lw": 0.6}), *cycle]
     plane(runs, phase, named=True)
-    phase.legend(**_below(phase))
+    phase.legend(**_legend_below(phase))
     for ax in maps:
         _map(ax, chart, verdict)
     letters([stresses, speeds, phase, *maps], "stress", "speed", "phase plane", MAP)
@@ -72,7 +72,7 @@ def overview(run, verdict, *, orbit=None, others=(), chart=None, caption=()):
     return fig
 
 
-def _kept(run, others):
+def _other_runs(run, others):
     """`NamedRun` of each other run, named by what differs, up to the end of the run."""
     _, *named = named_runs([run, *others])
     ends = [other.run.isel(time=other.run.time.values <= run.time.values[-1]) for other in named]
@@ -103,10 +103,10 @@ def _map(ax, chart, verdict):
     look = {"mfc": "w" if beyond else "k", "mec": "k", "ms": 5, "ls": "", "zorder": 6}
     handles += ax.plot(*inside, "o", label=name, clip_on=False, **look)
     names = [str(line.get_label()).replace(" (", "\n(").replace(", ", ",\n") for line in handles]
-    ax.legend(handles, names, **_below(ax))
+    ax.legend(handles, names, **_legend_below(ax))
 
 
-def _below(ax):
+def _legend_below(ax):
     """Return the place of a legend below axes and their label."""
     foot = offset_copy(ax.transAxes, ax.get_figure(root=True), y=-FOOT, units="points")
     at = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "bbox_transform": foot, "ncols": 2}

@@ -26,7 +26,7 @@ CELL = [Path.MOVETO, *3 * [Path.LINETO], Path.CLOSEPOLY]
 # Parts of a map's height that a line of text takes, and of its width that a letter takes.
 HEIGHT, LETTER = 0.07, 0.027
 # Points of a finer grid between two cases, along either axis.
-FINER = 8
+FINER_POINTS = 8
 # How to continue values linearly beyond the ends of an array.
 ODD: Any = {"mode": "reflect", "reflect_type": "odd"}
 
@@ -85,17 +85,17 @@ def _critical(result, axes):
 def _numbers(axis):
     """(n,) points all over an axis, as numbers of cases, between which they may lie."""
     cases = axis.values.size
-    return np.linspace(-0.5, cases - 0.5, FINER * cases + 1)
+    return np.linspace(-0.5, cases - 0.5, FINER_POINTS * cases + 1)
 
 
-def _between(values, numbers):
+def _interpolated(values, numbers):
     """Values (n,) of cases 0, 1 ... at other numbers, up to one beyond them, linearly."""
     return np.interp(numbers, np.arange(-1.0, len(values) + 1), np.pad(values, 1, **ODD))
 
 
 def _place(axis, numbers):
     """Where on an axis such numbers are."""
-    return axis.at(_between(axis.even, numbers))
+    return axis.at(_interpolated(axis.even, numbers))
 
 
 def _finer(value, axes):
@@ -108,7 +108,7 @@ def _finer(value, axes):
             scale, inverse = (np.log, np.exp) if axis.logarithmic else (np.array, np.array)
             with np.errstate(divide="ignore", invalid="ignore"):
                 at = value.dims.index(dim), scale(found), _numbers(axis)
-                found = inverse(np.apply_along_axis(_between, *at))
+                found = inverse(np.apply_along_axis(_interpolated, *at))
     return xarray.DataArray(found, dims=value.dims)
 
 
@@ -135,7 +135,7 @@ def _separate(ax, along, across, names):
 
 def _write_names(ax, along, across, names):
     """Write the name of each region, on a line or two, where it has most room."""
-    finer = np.repeat(np.repeat(names, FINER, axis=0), FINER, axis=1)
+    finer = np.repeat(np.repeat(names, FINER_POINTS, axis=0), FINER_POINTS, axis=1)
     for name in np.setdiff1d(names, UNKNOWN):
         split = " " if " " in name else "-"
         texts = name, name.replace(split, split.strip() + "\n", 1)
@@ -154,4 +154,4 @@ def _most_room(inside, text):
     distances = distance_transform_edt(np.pad(inside, 1), sampling=1.0 / (inside.shape * size))
     room = distances[1:-1, 1:-1]
     row, column = np.unravel_index(room.argmax(), room.shape)
-    return room[row, column], *((np.array([row, column]) + 0.5) / FINER - 0.5), text
+    return room[row, column], *((np.array([row, column]) + 0.5) / FINER_POINTS - 0.5), text

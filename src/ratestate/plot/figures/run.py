@@ -14,7 +14,7 @@ from ..runs import THIN, NamedRun, common, named_runs, plane, speed
 from .linear import stability_figure
 
 # Cycles of a run from which lines run together, and how many are shown on their own.
-MANY, FEW = 25, 5
+MANY_CYCLES, SHOWN_CYCLES = 25, 5
 #: width for a legend above the stress, of what is beside each name in it, and size of letters
 #: [points]
 ROOM, SPACE, LETTERS = 215.0, 30.0, 7.5
@@ -94,10 +94,10 @@ def _motion(run, title, result):
     fig = figure(run, 4.4, more=_of_contact(result), title=title)
     cycles = int(run.cycles)
     single = [NamedRun(run, "slider", {"color": BLUE})]
-    if cycles > MANY:
+    if cycles > MANY_CYCLES:
         # (of lines that run together, dashes would make a pattern)
-        axes = _panels(fig, run, single, f"the last {FEW} of {cycles} cycles", {"ls": "-"})
-        last = run.time.values[-1] - FEW / float(run.frequency)
+        axes = _panels(fig, run, single, f"the last {SHOWN_CYCLES} of {cycles} cycles", {"ls": "-"})
+        last = run.time.values[-1] - SHOWN_CYCLES / float(run.frequency)
         trace(run.isel(time=run.time.values >= last), axes["d"])
     else:
         axes = _panels(fig, run, single)

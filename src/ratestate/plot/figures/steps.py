@@ -28,7 +28,7 @@ DRAWN = ("a_minus_b", "Dc")
 #: against what
 ALONG = ("V_after", "step_delta_lp")
 #: how far the markers of one law are beside those of another [inches]
-BESIDE = 0.035
+MARKER_SHIFT = 0.035
 #: the line of a record
 RECORDED = {"color": "0.6", "rasterized": True}
 #: kind of step -> marker of its estimate, by whether the speed rises
@@ -57,7 +57,7 @@ def steps_figure(result):
     for part, symbol in zip(parts[1:], drawn, strict=True):
         axes = part.subplots(1, len(ALONG), sharey=True)
         for ax, along in zip(axes, ALONG, strict=True):
-            _along(laws, symbol, along, ax)
+            _draw_estimates(laws, symbol, along, ax)
         axes[0].set_ylabel(in_unit(label(symbol), _scale(laws, symbol)[1]))
         letters(axes, first="abcd"[2 * drawn.index(symbol)])
     return fig
@@ -122,14 +122,14 @@ def _legend(result, part, laws):
     handles = [Line2D([], [], **look) for look in looks]
     names = ["recorded", *(f"{law} law" for law in laws)]
     for (kind, up), marker in MARKERS.items():
-        if result is not None and _which(result, kind, up).any():
+        if result is not None and _is_kind(result, kind, up).any():
             handles.append(Line2D([], [], marker=marker, color="0.3", ms=3.5, ls=""))
             names.append("hold" if kind == "hold" else f"step {'up' if up else 'down'}")
     look = {"handlelength": 1.8, "columnspacing": 0.9, "handletextpad": 0.4, "fontsize": 7}
     part.legend(handles, names, loc="outside upper right", ncols=len(names), **look)
 
 
-def _which(result, kind, up):
+def _is_kind(result, kind, up):
     """(n,) which steps are of this kind, to a higher speed or not."""
     rises = result["V_after"] > result["V_before"] if kind == "step" else False
     return ((result["kind"] == kind) & (up == rises)).values
@@ -140,18 +140,18 @@ def _scale(laws, symbol):
     return scaled(symbol, float(np.nanmax(sizes)))
 
 
-def _along(laws, symbol, along, ax):
+def _draw_estimates(laws, symbol, along, ax):
     """An estimate of each step, with its 68 % interval, against speed or displacement."""
     factor, _ = _scale(laws, symbol)
     x = next(iter(laws.values()))[along].values
     to_unit, unit = prefixed(QUANTITIES[along].unit, float(np.nanmax(np.abs(x))))
     for i, (law, part) in enumerate(laws.items()):
         fit = part.sel(parameter=symbol)
-        beside = ScaledTranslation(i * BESIDE, 0.0, ax.figure.dpi_scale_trans)
+        beside = ScaledTranslation(i * MARKER_SHIFT, 0.0, ax.figure.dpi_scale_trans)
         value = fit[symbol].values
         low, high = np.abs(fit["interval"].isel(level=0).transpose("side", "step").values - value)
         for (kind, up), marker in MARKERS.items():
-            at = _which(fit, kind, up) & np.isfinite(value)
+            at = _is_kind(fit, kind, up) & np.isfinite(value)
             errors = np.where(np.isfinite([low, high]), [low, high], 0.0)[:, at]
             look = {"ms": 3.5, "lw": 0.8, "color": LAWS[law].color}
             drawn = ax.errorbar(

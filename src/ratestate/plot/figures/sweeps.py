@@ -35,7 +35,7 @@ SHOWN = {
     "stability": ("Steady sliding", ("K_c", "growth_rate", "omega")),
 }
 # Values of an axis up to which each has a line of its own: a map would fill what is between them.
-FEW = 5
+MAX_LINES = 5
 
 
 @styled
@@ -47,7 +47,7 @@ def sweep_figure(result, function, dims):
     title = f"{cases} over {over}, {LAWS[parameter(result, 'law')].name}"
     along = max(dims, key=lambda dim: result.sizes[dim])
     across = next((dim for dim in dims if dim != along), None)
-    if across is None or result.sizes[across] <= FEW:
+    if across is None or result.sizes[across] <= MAX_LINES:
         fig = figure(result, 2.0 + 1.5 * len(names), title=title)
         axes = fig.subplots(len(names), 1, sharex=True, squeeze=False).ravel()
         for ax, name in zip(axes, names, strict=True):
@@ -62,7 +62,7 @@ def sweep_figure(result, function, dims):
             _map(fig, ax, result, name, dims)
         across, along = (axis_of(result, dim) for dim in dims)
         across.dress(axes[0].yaxis)
-        divide(fig, axes, result, dims, along, across, _outside(result, dims))
+        divide(fig, axes, result, dims, along, across, _is_outside(result, dims))
     letters(axes)
     return fig
 
@@ -86,11 +86,11 @@ def _failed(result, dims):
     return ~np.isin(_codes(result, "status", dims), (FINISHED, STEADY_SLIDING))
 
 
-def _outside(result, dims):
+def _is_outside(result, dims):
     return _codes(result, "outside_domain", dims) > 0
 
 
-def _has_none(ax, values):
+def _write_if_empty(ax, values):
     """Whether there is nothing to show, which is then written."""
     if none := not np.isfinite(values).any():
         at = {"transform": ax.transAxes, "ha": "center", "va": "center"}
@@ -109,8 +109,8 @@ def _lines(ax, result, name, along, across):
     found = np.array([np.atleast_2d(_values(result, variable, dims)) for variable in pair])
     factor, unit = fitting_unit(name, found, contact_area(result))
     scaled = factor * found
-    _has_none(ax, scaled)
-    names = [None] if across is None else axis_of(result, across).each(across)
+    _write_if_empty(ax, scaled)
+    names = [None] if across is None else axis_of(result, across).labels(across)
     colors = ["k"] if across is None else shades(len(names))
     for variable, rows, look in zip(pair, scaled, ("o-", "o--"), strict=False):
         for values, text, color in zip(rows, names, colors, strict=True):
@@ -128,7 +128,7 @@ def _lines(ax, result, name, along, across):
         _mark_critical(ax, np.atleast_1d(_values(result, "V_c", dims[:-1])), x, result, colors)
     if len(ax.get_legend_handles_labels()[1]) > 1:
         ax.legend()
-    outside = np.broadcast_to(_outside(result, dims), scaled.shape)
+    outside = np.broadcast_to(_is_outside(result, dims), scaled.shape)
     marks = mark_outside(ax, np.broadcast_to(x, scaled.shape), scaled, outside)
     show_constant(ax)
     if is_wide(found):
@@ -164,7 +164,7 @@ def _map(fig, ax, result, name, dims):
     factor, unit = fitting_unit(name, values, contact_area(result))
     values = factor * values
     along.dress(ax.xaxis)
-    if not _has_none(ax, values):
+    if not _write_if_empty(ax, values):
         style, ticks = _colors(values)
         colored = ax.pcolormesh(along.edges, across.edges, values, rasterized=True, **style)
         text = in_unit(label(name) if name == "V_max" else WORDS[name], unit)

@@ -23,7 +23,7 @@ FEWEST_OF_RELOADING = 3
 #: final fraction of a slide that may be steady; its fewest samples
 STEADY, FEWEST = 0.5, 12
 #: most samples of a slide, and most slides, from which noise is estimated
-MOST, SLIDES = 2000, 8
+MAX_SAMPLES, MAX_SLIDES = 2000, 8
 #: order of the polynomial in a slide; noise, as a multiple of the least, that means a transient
 SMOOTH, NOISIER = 3, 2.0
 #: least relative noise of a sample: values of an instrument have at most 24 bits
@@ -178,11 +178,11 @@ def noise_of_slides(record):
     samples: ParameterError.
     """
     friction, slides = record.friction, [slide.rows for slide in record.slides.values()]
-    parts = [rows[rows.size - int(STEADY * rows.size) :][-MOST:] for rows in slides]
+    parts = [rows[rows.size - int(STEADY * rows.size) :][-MAX_SAMPLES:] for rows in slides]
     parts = [rows for rows in parts if rows.size >= FEWEST]
     if not parts:
         raise sentences.refusal("record.no_slide", fewest=FEWEST)
-    chosen = np.unique(np.linspace(0, len(parts) - 1, SLIDES).round().astype(int))
+    chosen = np.unique(np.linspace(0, len(parts) - 1, MAX_SLIDES).round().astype(int))
     parts = [parts[i] for i in chosen]
     least = max(rounding(friction), SINGLE * np.abs(friction).max())
     levels = np.array([_noise(record.t, friction, [rows], least).level for rows in parts])

@@ -28,7 +28,7 @@ FEWEST_OF_HOLD = USED + 3
 PEAK_TESTED, PEAK_USED, ORDERS = 3, 5, 2
 FEWEST_OF_PEAK = PEAK_USED + 3
 #: noise around a peak, as a multiple of the record's, above which the samples are too few
-FEW = math.sqrt(CERTAIN / ORDERS)
+MAX_NOISE = math.sqrt(CERTAIN / ORDERS)
 #: successive windows that must fail, because noise may make a single one fail
 FAILED = 2
 #: least height of a peak above friction at the end of the slide, in standard errors
@@ -182,7 +182,7 @@ def _peak(record, hold, noise, low):
     at, peak, error = fit.peak
     if np.count_nonzero(t[slide] > t[rows[-1]]) < FEWEST:
         return ENDS, np.nan, None
-    if local.level > FEW * noise.level and error > COARSE * (peak - low):
+    if local.level > MAX_NOISE * noise.level and error > COARSE * (peak - low):
         return UNRESOLVED, np.nan, None
     change = np.interp(at, t, record.level - record.friction)
     height = peak + change - record.level[slide[-FEWEST:]].mean()

@@ -35,10 +35,10 @@ SIGNIFICANT = 22.46
 #: successive windows that must fail; order of the polynomial that is tested
 FAILED, TESTED = 2, 3
 #: most samples of a slide; more are averaged in blocks
-MOST = 2000
+MAX_SAMPLES = 2000
 #: error of a level, as a multiple of the error without a transient, above which the noise is
 #: enlarged; the factor
-POOR, MISFIT = 5.0, 3.0
+POOR_FIT, MISFIT = 5.0, 3.0
 #: largest error of a level, as a fraction of the fall since the peak, of a slide that is used
 UNFINISHED = 0.1
 #: largest standard deviation between slides, as a multiple of the difference of their levels
@@ -133,7 +133,7 @@ class _SlideFit(NamedTuple):
         The reason is that shapes describe a transient only approximately.
         """
         _, covariance = self.mean(weights, prior)
-        if covariance[0, 0] * self.normal[0, 1, 1] < POOR**2:
+        if covariance[0, 0] * self.normal[0, 1, 1] < POOR_FIT**2:
             return self
         return self._replace(normal=self.normal / MISFIT**2)
 
@@ -231,12 +231,12 @@ def _slide_fit(record, rows, noise, shapes):
 def _averaged(record, rows, noise):
     """Return times, change of friction, slip and drift coordinate as rows, and their noise.
 
-    More than `MOST` samples are averaged in blocks.  Without a trend the last row is absent.
+    More than `MAX_SAMPLES` samples are averaged in blocks.  Without a trend the last row is absent.
     """
     drift = [record.drift_coordinate] if record.trend else []
     change = record.friction - record.friction[0]
     columns = np.array([record.t, change, record.slip, *drift])[:, rows]
-    block = -(-rows.size // MOST)
+    block = -(-rows.size // MAX_SAMPLES)
     if block == 1:
         return columns, noise
     columns = columns[:, rows.size % block :].reshape(len(columns), -1, block).mean(axis=2)

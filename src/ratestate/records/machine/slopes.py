@@ -42,7 +42,7 @@ A, HEALING, LOG_ERROR = 0.008, 0.0035, 0.6
 #: largest h/k; smallest and largest r after a hold
 MOST_HEALING, CREEP = 0.5, (1e-12, 0.9)
 #: largest change of p in the search: for k a factor of 7, for others 8 standard deviations
-REACH = np.array([np.inf, 2.0, 8.0 * LOG_ERROR, 8.0, 8.0 * LOG_ERROR, np.inf, np.inf])
+MAX_STEP = np.array([np.inf, 2.0, 8.0 * LOG_ERROR, 8.0, 8.0 * LOG_ERROR, np.inf, np.inf])
 #: rounds of noise and fit; most evaluations; step of a difference
 ROUNDS, EVALUATIONS, STEP = 3, 100, 1e-5
 #: fraction of the change of friction up to the extremum that is fitted; fitted part of the time
@@ -52,9 +52,9 @@ UNTIL, STICK = 0.6, (0.2, 0.6)
 #: multiple of its noise
 FEWEST, FEWEST_BEFORE, FEWEST_BETWEEN, LEAST = 4, 4, 12, 8.0
 #: final fraction of the slide before that gives the level and its noise; its most samples
-BEFORE, MOST_BEFORE = 0.1, 500
+LEVEL_PART, MOST_BEFORE = 0.1, 500
 #: final fraction of a hold that gives the relaxation; most samples before the last `MOST_BEFORE`
-LATE, MOST_EARLY = 0.5, 1000
+HOLD_PART, MOST_EARLY = 0.5, 1000
 #: standard error of ln K due to the change of state during loading, of the size of the errors of
 #: noiseless slopes under both laws at k Dc from 1e-3 to 0.1.  Apart from healing, these errors are
 #: at most 5e-4 after holds, 6e-3 after steps up by a factor of 3 and 10, and 3e-2 after steps down
@@ -141,7 +141,7 @@ def fitted_slope(t, x, friction, r, *, rested=0.0, x_error=0.0, state_error=0.0)
     level = friction[max(int(np.searchsorted(x, 0.0)) - 1, 0)]
     first = np.array([level, np.log(scale) + 0.1, np.log(A), 0.0, 0.0, 0.01, 0.0])
     weights = np.array([0.0, 0.0, 1.0 / LOG_ERROR, 1.0, 1.0 / LOG_ERROR, free, free])
-    bounds, point = (first - REACH, first + REACH), first
+    bounds, point = (first - MAX_STEP, first + MAX_STEP), first
     for _ in range(ROUNDS):
         fit = least_squares(residuals, point, bounds=bounds, x_scale="jac", max_nfev=EVALUATIONS)
         if not fit.success:
@@ -216,11 +216,11 @@ def _rows_before(t, segments, i):
     They are the last part of a slide, or the relaxation in a hold, thinned if it has many rows.
     """
     begin, start = segments.t[i - 1 : i + 1]
-    late = np.arange(*np.searchsorted(t, (start - LATE * (start - begin), start)))
+    late = np.arange(*np.searchsorted(t, (start - HOLD_PART * (start - begin), start)))
     if segments.V[i - 1] == 0.0:
         early = late[:-MOST_BEFORE]
         return np.append(early[:: early.size // MOST_EARLY + 1], late[-MOST_BEFORE:])
-    last = int(np.count_nonzero(t[late] >= start - BEFORE * (start - begin)))
+    last = int(np.count_nonzero(t[late] >= start - LEVEL_PART * (start - begin)))
     return late[-min(max(last, FEWEST_BEFORE), MOST_BEFORE) :]
 
 

@@ -14,14 +14,14 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 #: fraction of the drop above and below the middle that is fitted; fewest samples for a cubic
-NEAR, FEWEST = 0.25, 6
+FITTED_PART, FEWEST = 0.25, 6
 #: Newton steps to the crossing of a cubic
 NEWTON = 8
 #: standard deviation of a time that is uniformly distributed within a step, in steps
-ANYWHERE = 1.0 / math.sqrt(12.0)
+UNIFORM_SD = 1.0 / math.sqrt(12.0)
 #: mean and standard deviation by which bounds exceed extremes in noise, as multiples of the noise;
 #: standard errors of the mean excess beyond which noise does not explain it
-BY_NOISE, SPREAD, SURE = 1.7, 2.0, 4.0
+BY_NOISE, SPREAD, SIGNIFICANCE = 1.7, 2.0, 4.0
 #: numbers of samples over which rates of fall are compared; the largest, as a fraction of a fall
 LAGS, OF_FALL = (1, 2, 4, 8, 16, 32), 0.25
 #: least slowing between two falls: standard deviations beyond the range of noise; fraction of drop
@@ -43,7 +43,7 @@ def middles(t, y, peaks, troughs, high, low, level_error, noise):
     """
     crossings = np.full((2, peaks.size), math.nan)
     for i in np.flatnonzero(np.isfinite(high + low)):
-        level, near = 0.5 * (high[i] + low[i]), NEAR * (high[i] - low[i])
+        level, near = 0.5 * (high[i] + low[i]), FITTED_PART * (high[i] - low[i])
         fall = y[peaks[i] : troughs[i] + 1]
         above = np.flatnonzero(fall > level + near)
         first = int(above[-1]) + 1 if above.size else 0
@@ -66,11 +66,11 @@ def _between_samples(t, y, rows, level, level_error, noise):
     i = min(max(int(rows[np.argmax(below)]), 2), t.size - 2)
     step, fall = t[i] - t[i - 1], y[i - 1] - y[i]
     if not fall > 0.0:
-        return 0.5 * (t[i - 1] + t[i]), step * ANYWHERE
+        return 0.5 * (t[i - 1] + t[i]), step * UNIFORM_SD
     x, around = t[i - 2 : i + 2], y[i - 2 : i + 2]
     second = np.diff(np.diff(around) / np.diff(x)) * 2.0 / (x[2:] - x[:-2]) * step**2
     bends = np.clip(second / fall, -1.0, 1.0)
-    bend_error = math.hypot(bends.mean() / 8.0, (0.5 * (bends[1] - bends[0])) ** 2 * ANYWHERE)
+    bend_error = math.hypot(bends.mean() / 8.0, (0.5 * (bends[1] - bends[0])) ** 2 * UNIFORM_SD)
     noise_error = min(math.hypot(noise.sd, level_error) / fall, 1.0)
     part = min(max((y[i - 1] - level) / fall, 0.0), 1.0)
     return t[i - 1] + part * step, step * math.hypot(bend_error, noise_error)
@@ -108,7 +108,7 @@ def corrected_for_spikes(t, y, middle, found, sign, noise):
     sample, bound, time, time_error = np.array(bounds).T
     excess = bound - sign * found[0]
     error = math.sqrt(np.mean((SPREAD * noise.sd) ** 2 + found[1] ** 2) / excess.size)
-    if not np.mean(excess) > BY_NOISE * noise.sd + SURE * error:
+    if not np.mean(excess) > BY_NOISE * noise.sd + SIGNIFICANCE * error:
         return found
     low = np.maximum(sample, sign * found[0])
     beyond = np.maximum(bound - low, 0.0)

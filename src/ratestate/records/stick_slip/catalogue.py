@@ -24,13 +24,13 @@ from .lines import Stiffness, Trend, loading_stiffness, trend
 from .series import series_of
 
 #: stress drop divided by the threshold below which similar drops may be missing
-SAFE = 2.0
+SAFE_RATIO = 2.0
 #: stress drop with few samples, as a multiple of the median, that may be several events
 LARGE = 1.5
 #: least peak slip rate of a fast event: fraction of the inertial limit, or multiple of V_lp
 INERTIAL, FAST = 0.5, 100.0
 #: most samples of the record that a catalogue keeps, for its figure
-MOST = 20000
+MAX_SAMPLES = 20000
 #: status of an event -> what it means
 STATUSES = {
     0: "whole",
@@ -166,7 +166,7 @@ def catalogue_of(series):
         "several": status == SEVERAL,
         "unmeasured": np.isin(status, (WHOLE, UNDERSAMPLED)) & ~np.isfinite(drop),
         "sparse": sparse & np.isfinite(drop) & np.isin(status, (UNDERSAMPLED, SEVERAL)),
-        "few": drop < SAFE * threshold,
+        "few": drop < SAFE_RATIO * threshold,
         "lost": lost,
         "short": short,
         "large": sparse & (drop > LARGE * usual) & (status != SEVERAL),
@@ -306,10 +306,10 @@ def _recurrence(series, event_time, status):
 
 
 def _thinned(t, tau):
-    """Reduce more than `MOST` samples to the largest and the smallest of each block."""
-    if t.size <= MOST:
+    """Reduce more than `MAX_SAMPLES` samples to the largest and the smallest of each block."""
+    if t.size <= MAX_SAMPLES:
         return t, tau
-    every = -(-2 * t.size // MOST)
+    every = -(-2 * t.size // MAX_SAMPLES)
     rows = t.size // every * every
     blocks = tau[:rows].reshape(-1, every)
     first = np.arange(blocks.shape[0]) * every

@@ -26,9 +26,9 @@ LEAST = 10.0
 #: most samples of an outlier; number of samples on either side with which it is compared
 LONGEST_OUTLIER, SIDE = 2, 2
 #: least distance of an outlier from these samples, in standard deviations of the noise
-OUT = 5.0
+MIN_OUTLIER = 5.0
 #: part of a loading phase whose residuals give the noise; degree of the polynomial fitted there
-CALM, SMOOTH = (0.2, 0.6), 3
+QUIET_PART, SMOOTH = (0.2, 0.6), 3
 #: fewest samples of one such part, and number of samples that is enough in all
 FEWEST_CALM, ENOUGH = 12, 20000
 #: noise of the loading, as a multiple of the white noise, from which events are detected again
@@ -43,15 +43,15 @@ MARGIN = 3.0
 STEEP = 3.0
 #: number of steps on either side with which a gap is compared, and least ratio of the gap to them
 #: and to the median step of the series
-BESIDE, LONG = 20, 10.0
+GAP_NEIGHBOURS, GAP_RATIO = 20, 10.0
 #: significance level of the test that falls are shorter than rises
 CHANCE = 0.02
 #: fewest falls for this test.  If there are fewer, each fall must last less than this fraction of
 #: the rise before it.  Its duration is twice that of its middle half, because its ends are round.
 FEWEST, SHORTER = 4, 0.1
 #: largest standard deviation of regular intervals between falls, divided by their mean: for fewer
-#: than `MANY` falls, and for more
-REGULAR, MANY = (0.1, 0.25), 8
+#: than `MANY_FALLS` falls, and for more
+REGULAR, MANY_FALLS = (0.1, 0.25), 8
 
 
 def detected(series):
@@ -100,7 +100,7 @@ def without_outliers(y, noise):
         sides, inside = np.delete(parts, np.s_[SIDE:-SIDE], axis=1), parts[:, SIDE:-SIDE]
         low, high = sides.min(axis=1), sides.max(axis=1)
         out = np.maximum(inside.min(axis=1) - high, low - inside.max(axis=1))
-        for i in np.flatnonzero((out > OUT * noise) & (out > high - low)):
+        for i in np.flatnonzero((out > MIN_OUTLIER * noise) & (out > high - low)):
             y[i : i + length] = np.linspace(padded[i + 1], padded[i + 2 + length], length + 2)[1:-1]
     return y
 
@@ -109,7 +109,7 @@ def loading_noise(t, y, phases, white):
     """Return the `SampleNoise` in loading phases [(first, last sample)]; `white` if too short."""
     residuals: list[np.ndarray] = []
     for first, last in phases:
-        rows = slice(*(round(first + part * (last - first)) for part in CALM))
+        rows = slice(*(round(first + part * (last - first)) for part in QUIET_PART))
         if rows.stop - rows.start >= FEWEST_CALM and sum(map(len, residuals)) <= ENOUGH:
             curve = np.polynomial.Polynomial.fit(t[rows], y[rows], SMOOTH)
             residuals.append(y[rows] - curve(t[rows]))
@@ -180,8 +180,8 @@ def without_rebounds(y, moved, falls):
 def in_gaps(t, falls):
     """Return whether samples are missing in falls (m,), from before peak to after trough."""
     steps = np.diff(t)
-    gaps = np.array(gaps_in(t, LONG, BESIDE), int) - 1  # the steps
-    gaps = gaps[steps[gaps] > LONG * np.median(steps)]
+    gaps = np.array(gaps_in(t, GAP_RATIO, GAP_NEIGHBOURS), int) - 1  # the steps
+    gaps = gaps[steps[gaps] > GAP_RATIO * np.median(steps)]
     inside = [bool(((gaps >= peak - 1) & (gaps <= trough)).any()) for peak, trough in falls]
     return is_whole(falls) & np.array(inside, bool)
 
@@ -198,7 +198,7 @@ def is_stick_slip(series, falls):
     if len(entire) >= FEWEST and mannwhitneyu(durations, rises, alternative="less").pvalue < CHANCE:
         return True
     intervals = np.diff(0.5 * (peaks + troughs))
-    regular = REGULAR[len(entire) >= MANY]
+    regular = REGULAR[len(entire) >= MANY_FALLS]
     if intervals.size > 1 and intervals.std() < regular * intervals.mean():
         return True
     halves = np.array([_middle_half_duration(series, *fall) for fall in entire])

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 from scipy.ndimage import uniform_filter1d
 
-from .between_samples import ANYWHERE, NEAR, corrected_for_spikes, middles
+from .between_samples import FITTED_PART, UNIFORM_SD, corrected_for_spikes, middles
 from .detection import is_whole
 from .extremes import FallWindow, chosen_window, extremes
 from .lines import speed_groups
@@ -26,9 +26,9 @@ NAMES = ("tau_max", "event_start", "tau_min", "event_end", "event_time", "fall_r
 COLUMNS = 2 * len(NAMES) + 2
 #: largest deviation from the median drop of events that share windows: as a fraction, and in
 #: standard deviations of the noise
-ALIKE, BY_NOISE = 0.1, 3.0
+SIMILARITY, BY_NOISE = 0.1, 3.0
 #: shortest loading next to an event, as a fraction of the median, of events that share windows
-CLOSE = 0.5
+MIN_LOADING = 0.5
 #: extents of windows into the loading, as fractions of its duration; shortest window [samples]
 LOADING, SHORTEST = np.geomspace(0.02, 0.85, 9), 6.0
 #: ends of windows next to the fall: as fractions of the time from its middle to the extreme, and in
@@ -44,7 +44,7 @@ SPARSE = 8
 #: fewest samples in the middle half of a fall for a line through them
 LINE = 3
 #: a quarter of the drop, in standard errors of a moving average, for a clear middle of a fall
-CLEAR = 4.0
+CLEAR_DROP = 4.0
 #: number of times that windows are placed relative to the last estimates
 ROUNDS = 2
 #: in a run: largest error of tau, as a fraction of the drop, and fewest samples of a resolved fall
@@ -52,7 +52,7 @@ COARSE, SPARSE_RUN = 5e-4, 5
 #: largest relative error of the steepest slope of a resolved fall in a run
 ROUGH = 0.1
 #: largest distance of an extreme of a run from a sample, as a fraction of the drop
-FAR = 0.01
+MAX_DISTANCE = 0.01
 
 
 def measured_falls(series, falls, gaps, noise):
@@ -107,8 +107,8 @@ def _groups(series, spans, rows, noise):
     for number in range(speed.max() + 1):
         at = np.flatnonzero(speed == number)
         off = np.abs(drop[at] - np.median(drop[at]))
-        near = off <= math.hypot(ALIKE * np.median(drop[at]), BY_NOISE * noise.sd)
-        near &= loading[at] > CLOSE * np.median(loading[at])
+        near = off <= math.hypot(SIMILARITY * np.median(drop[at]), BY_NOISE * noise.sd)
+        near &= loading[at] > MIN_LOADING * np.median(loading[at])
         groups += [rows[at[near]]] if near.any() else []
         groups += [rows[[i]] for i in at[~near]]
     return groups
@@ -119,7 +119,7 @@ def _in_record(series, spans, noise):
     begins, peaks, troughs, ends = spans.T
     drop = float(np.median(y[peaks] - y[troughs]))
     # the moving average is so wide that noise does not hide the middles of falls
-    width = math.ceil((CLEAR * noise.sd / (NEAR * drop)) ** 2 * noise.inflation)
+    width = math.ceil((CLEAR_DROP * noise.sd / (FITTED_PART * drop)) ** 2 * noise.inflation)
     width = min(width, max(int(np.min(troughs - peaks)) // 2, 1))
     means = uniform_filter1d(y, width) if width > 1 else y
     nothing = np.zeros(peaks.size)
@@ -219,7 +219,7 @@ def _in_run(series, rate, peak, trough):
     after = peak + int(np.argmax(tau[peak : trough + 1] < level))
     rows = np.array([after - 1, after])
     middle = straight = float(np.interp(-level, -tau[rows], t[rows]))
-    error = ANYWHERE * (t[after] - t[after - 1])
+    error = UNIFORM_SD * (t[after] - t[after - 1])
     curve = CubicHermiteSpline(t[rows] - t[after - 1], tau[rows] - level, rate[rows])
     crossings = curve.roots(extrapolate=False)
     if np.isfinite(crossings).any():
@@ -258,7 +258,7 @@ def _extreme(series, rate, i, sign, drop):
         estimates.append(np.array([curve(at[best]), at[best]]))
     (value, time), (other, other_time) = estimates
     error, time_error = abs(value - other), abs(time - other_time)
-    if abs(value) > FAR * drop:
+    if abs(value) > MAX_DISTANCE * drop:
         around = slice(max(i - 1, 0), i + 2)
         time, time_error = 0.0, 0.5 * float(np.diff(t[around]).max())
         error = np.abs(rate[around]).min() * time_error
