@@ -73,15 +73,15 @@ def memory():
     return min(limits)
 
 
-def check_fits(size, what, remedy):
+def check_fits(size, subject, remedy):
     """Raise ParameterError if an array of `size` bytes exceeds the memory of this process.
 
     what : str, subject of the message, in the plural
     remedy : str, how to need less memory
     """
-    if size > ALWAYS_AVAILABLE and size > (available := memory()):
+    if size > ALWAYS_AVAILABLE and size > (free := memory()):
         raise ParameterError(
-            f"{what} take {size / 1e9:,.3g} GB of memory, but {available / 1e9:,.3g} GB are there",
+            f"{subject} take {size / 1e9:,.3g} GB of memory, but {free / 1e9:,.3g} GB are there",
             remedy,
         )
 

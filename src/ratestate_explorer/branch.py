@@ -140,8 +140,8 @@ def _stability(slider, V_lp, along, low, high):
     left, right, before = p[change], p[change + 1], is_stable[change]
     while len(left) and (right - left > 1e-15 * np.maximum(np.abs(left), 1.0)).any():
         middle = 0.5 * (left + right)
-        same = stable(middle) == before
-        left, right = np.where(same, middle, left), np.where(same, right, middle)
+        keeps_side = stable(middle) == before
+        left, right = np.where(keeps_side, middle, left), np.where(keeps_side, right, middle)
     # Rounded, so that diagrams of the same slider are the same, wherever the search began.
     return [float(f"{value:.12g}") for value in np.exp(right)], bool(is_stable[0])
 
@@ -180,7 +180,7 @@ def _followed(slider, V_lp, along, start, stop):
 
 def _columns(piece, along):
     names = {"parameter": along, "amplitude": "amplitude", "V_max": "V_max"}
-    return {name: piece[of].values for name, of in names.items()}
+    return {name: piece[column].values for name, column in names.items()}
 
 
 def _stable(piece):

@@ -91,9 +91,9 @@ def _script(main):
         exports = [*_EXPORT.findall(text), *(f"default: {x}" for x in _DEFAULT.findall(text))]
 
         def replacement(found):
-            several, default, other = found.groups()
-            what = several.replace(" as ", ": ") if several else f" default: {default} "
-            return f"const {{{what}}} = {names[_sibling(path, other)]};\n"
+            named, default, other = found.groups()
+            names_text = named.replace(" as ", ": ") if named else f" default: {default} "
+            return f"const {{{names_text}}} = {names[_sibling(path, other)]};\n"
 
         text = _DEFAULT.sub("", _EXPORT.sub("", _IMPORT.sub(replacement, text)))
         if left := _LEFT.search(text):

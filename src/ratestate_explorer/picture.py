@@ -73,8 +73,8 @@ def _settled(state, cycle, orbit, deadline):
         cycle, orbit = _attractor(slider, V_lp, deadline)
     if state.kick is not None and rs.stability(slider, V_lp).stable:
         # A kick may lead from steady sliding to a stable cycle.
-        beside = Settled(slider, V_lp, orbit).on_cycle
-        return Settled(slider, V_lp), [BESIDE] if beside else []
+        has_cycle = Settled(slider, V_lp, orbit).on_cycle
+        return Settled(slider, V_lp), [BESIDE] if has_cycle else []
     if not isinstance(cycle, rs.SolverError):
         return Settled(slider, V_lp, orbit), []
     return Settled(slider, V_lp), [

@@ -62,13 +62,13 @@ class Session:
         in_pool = partial(QuestionQueue, shared.pool, seconds=picture.SECONDS)
         of_charts = partial(QuestionQueue, shared.chart_pool, seconds=charts.SECONDS, patience=0.0)
         of_files = partial(QuestionQueue, shared.file_pool, [answer_file], capacity=CAPACITY)
-        self.queues = dict.fromkeys(wire.FILES, of_files(seconds=PART_SECONDS, whole=SECONDS)) | {
+        self.queues = dict.fromkeys(wire.FILES, of_files(seconds=PART_SECONDS, total=SECONDS)) | {
             "picture": in_pool([answer_picture], patience=PATIENCE),
             "slide-hold-slide": in_pool([answer_rows]),
             "chart": of_charts(surveys),
             "window": of_charts([answer_chart]),
             "branch": of_charts([answer_branch], seconds=branch.SECONDS),
-            "page": of_files(seconds=PAGE_PART_SECONDS, whole=PAGE_SECONDS),
+            "page": of_files(seconds=PAGE_PART_SECONDS, total=PAGE_SECONDS),
         }
 
     async def serve(self):
@@ -141,7 +141,7 @@ class Session:
 
 def warm_up(kind, deadline):
     """Do all work once for a `Kind`; `Stopped` if it was cancelled."""
-    entries = presets()[0]["entries"] | {symbol: example(symbol) for symbol in kind.own}
+    entries = presets()[0]["entries"] | {symbol: example(symbol) for symbol in kind.symbols}
     entries |= {"law": kind.law, "friction_form": kind.friction_form}
     if kind.sigma_varies:
         entries["sigma_from"] = example("sigma")

@@ -76,15 +76,15 @@ def run_lanes(run, budget):
     s, shape, units, kernel, position = run.s, run.shape, run.units, run.kernel, run.position
     capacity = 2 * R.LANES if run.taylor > 0 else R.LANES
     first, n = 0, 0
-    vacant = regroup = True
+    has_vacancy = regroup = True
     for _ in range(budget):
-        if vacant:
+        if has_vacancy:
             while position[0] - position[1] < capacity:
                 i = next_case(run)
                 if i < 0:
                     break
                 kernel.load(run, free_column(s, shape, 0.0), i)
-            vacant = False
+            has_vacancy = False
         if regroup:
             first, n = next_set(run)
             if n == 0:
@@ -99,7 +99,7 @@ def run_lanes(run, budget):
             if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
                 kernel.end(run, l)
                 if s[R.CASE + l] == IDLE:
-                    vacant = regroup = True
+                    has_vacancy = regroup = True
         if run.taylor > 0:
             regroup = leave_set(s, shape, first, n) or regroup
             if regroup:

@@ -168,9 +168,9 @@ def end_of_step(start, k, last, h):
     k : the eight increments; last : the point of the last stage
     """
     y = plus_sum(start.y, A[8], k)
-    near = Point(last.law, last.p, y, last.w, last.e, None, last.kappa, last.eta0)
-    is_slaved = near.m * larger(1.0, abs(y[1] - start.v)) < 1e-14 * h
-    v = where(is_slaved, y[1] + near.g / near.S_slopes[0], y[1])
+    end = Point(last.law, last.p, y, last.w, last.e, None, last.kappa, last.eta0)
+    is_slaved = end.m * larger(1.0, abs(y[1] - start.v)) < 1e-14 * h
+    v = where(is_slaved, y[1] + end.g / end.S_slopes[0], y[1])
     new = start.at((y[0], v, *y[2:]), h)
     error = (k[7][0], k[7][1] + (v - y[1]), *k[7][2:])
     return new, is_slaved, error, dense_output(start.y, new.y, *(sum_of(row, k) for row in H))

@@ -49,14 +49,14 @@ def variational_equations(law):
     derivative; and the trace of the Jacobian matrix.
     """
     (motion, _), graph = law.motion.in_time, law.motion.graph
-    everything, perturbations = dict(motion), []
+    expressions, perturbations = dict(motion), []
     for j in range(len(motion) - 1):
         z = [graph.symbol(("z", j, i), is_constant=False) for i in range(len(motion))]
-        along = Derivative(graph, dict(zip(motion, z, strict=True)))
-        everything |= dict(zip(z, map(along, motion.values()), strict=True))
+        derivative = Derivative(graph, dict(zip(motion, z, strict=True)))
+        expressions |= dict(zip(z, map(derivative, motion.values()), strict=True))
         perturbations.append(z)
     diagonal = (Derivative(graph, {y: graph.one})(rate) for y, rate in motion.items())
-    return perturbations, everything, sum(diagonal, graph.number(0.0))
+    return perturbations, expressions, sum(diagonal, graph.number(0.0))
 
 
 def coefficients(start, w_lp, ramp):

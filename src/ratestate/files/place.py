@@ -50,8 +50,8 @@ def checked_path(path, endings):
             f"Give a name that ends in {listed(endings)}.",
         )
     if path.is_dir() and not (ending == ".zarr" and _is_replaceable(path)):
-        what = "holds files that are not of one result" if ending == ".zarr" else "is a folder"
-        raise ParameterError(f"{path} {what}, and is not replaced", "Give another name.")
+        problem = "holds files that are not of one result" if ending == ".zarr" else "is a folder"
+        raise ParameterError(f"{path} {problem}, and is not replaced", "Give another name.")
     if ending == ".zarr" and path.is_file():
         raise ParameterError(
             f"{path} is a file and not a folder", "Remove it, or give another name."

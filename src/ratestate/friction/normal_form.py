@@ -156,8 +156,8 @@ def _multilinear_forms(law):
     inputs, forms = [v, g, kappa, *psi, *p], {}
     for order in (1, 2, 3):
         x, *y = (graph.symbol((order, name)) for name in ("x", "v", *law.states))
-        along = Derivative(graph, dict(zip((v, *psi), y, strict=True)))
-        along.derivatives[g] = x - along(at.S)
-        equations, inputs = [*map(along, equations)], [*inputs, x, *y]
+        derivative = Derivative(graph, dict(zip((v, *psi), y, strict=True)))
+        derivative.derivatives[g] = x - derivative(at.S)
+        equations, inputs = [*map(derivative, equations)], [*inputs, x, *y]
         forms[order] = equations, inputs
     return forms

@@ -66,8 +66,8 @@ def _two_runs(slider, V_lp):
     start, times = 2.0 * period, np.linspace(-2.0, CYCLES, 12000) * period
     loading = Loading.steps(before, (start, V_lp))
     runs = simulate(slider, loading, times[-1] + start, times=times + start)
-    since = (runs.time - start).assign_attrs(attrs("time"))
-    return runs.assign_coords(time=since), before
+    since_step = (runs.time - start).assign_attrs(attrs("time"))
+    return runs.assign_coords(time=since_step), before
 
 
 @styled

@@ -47,8 +47,8 @@ def on_cycles(law):
     def at_minimum(measure, branches=(0, 1), factor=1.0):
         """Apply a measure of (slider, V_lp) at the smallest amplitude, times a factor."""
 
-        def value(slider, sweep, every=1):
-            return measure(slider, _minimum(sweep, every)[0])
+        def value(slider, sweep, stride=1):
+            return measure(slider, _minimum(sweep, stride)[0])
 
         slips = (value(sliders[i], best[i]) - value(sliders[i], best[i], 2) for i in branches)
         error = {"error": factor * max(map(abs, slips)), "error_from": HALF_AS_DENSE}
@@ -92,10 +92,10 @@ def _turned(slider, rtol):
 
 def _effects_of_reversal(sliders, sweeps):
     """Return what such friction changes: relative amplitude, and the smallest V/V_lp."""
-    turned = [_turned(slider, TIGHT) for slider in sliders]
-    pairs = zip(turned, sweeps, strict=True)
+    cycles = [_turned(slider, TIGHT) for slider in sliders]
+    pairs = zip(cycles, sweeps, strict=True)
     changes = [abs(float(cycle.amplitude / sweep.amplitude[-1]) - 1.0) for cycle, sweep in pairs]
-    slowest = min(float(cycle.V_min) for cycle in turned)
+    slowest = min(float(cycle.V_min) for cycle in cycles)
     return {"apart": max(changes), "slowest": slowest / SWEEP[-1]}
 
 
@@ -119,15 +119,15 @@ def _fastest(slider):
 def _scheme(slider, cycles):
     """Return amplitude and frequency at the end of the scheme's runs, along the sweep."""
     # a few cycles of stick-slip are enough; fast ones relax in 2 M V/((b - a) sigma), 0.2 s a m/s
-    how = {"dt": time_step(slider, LARGEST), "euler": EULER[slider.law]}
+    settings = {"dt": time_step(slider, LARGEST), "euler": EULER[slider.law]}
     found = np.empty((2, SWEEP.size))
     for i, V in enumerate(SWEEP.values.tolist()):
         t_end = 4 * float(cycles.period[i]) + 0.2 + 2.0 * V
-        run = im2017(slider, Loading.constant(V), t_end, V_start=0.1 * V, **how)
+        run = im2017(slider, Loading.constant(V), t_end, V_start=0.1 * V, **settings)
         found[:, i] = last_cycle(run)
     amplitude, frequency = found
-    kept = {"amplitude": amplitude, "frequency": frequency, "status": np.zeros(SWEEP.size)}
-    return cycles[[*kept]].copy(data=kept)
+    variables = {"amplitude": amplitude, "frequency": frequency, "status": np.zeros(SWEEP.size)}
+    return cycles[[*variables]].copy(data=variables)
 
 
 def _worst(cycles, by_scheme):
@@ -144,10 +144,10 @@ def _line(sweep, against):
     return fit[0], np.abs(slow - np.polyval(fit, decades)).max() / (slow[0] - slow[-1])
 
 
-def _minimum(sweep, every=1):
+def _minimum(sweep, stride=1):
     """Return V_lp [m/s] and value of the least amplitude, by a quartic through five speeds."""
-    V = np.log(MIDDLE.values[::every])
-    middle = sweep.amplitude.sel(V_lp=MIDDLE.values).values[::every]
+    V = np.log(MIDDLE.values[::stride])
+    middle = sweep.amplitude.sel(V_lp=MIDDLE.values).values[::stride]
     i = min(max(int(np.argmin(middle)), 2), V.size - 3)
     fit = np.polyfit(V[i - 2 : i + 3] - V[i], middle[i - 2 : i + 3], 4)
     turns = np.roots(np.polyder(fit))
@@ -227,9 +227,9 @@ def on_slow_slip(law):
         "slow_inertia": ("inertia", 1.0, inertia(settled)),
     }
 
-    def cycle(name, over, scheme):
-        measured = pair(lambda rtol: limit_cycle(slider, fast, rtol=rtol)[name] / over)
-        return measured | by_scheme(lambda omega_dt: scheme / over, slider, LARGEST)
+    def cycle(name, scale, scheme):
+        measured = pair(lambda rtol: limit_cycle(slider, fast, rtol=rtol)[name] / scale)
+        return measured | by_scheme(lambda omega_dt: scheme / scale, slider, LARGEST)
 
     return {
         "eta_fig6": exact(slider.eta(fast)),

@@ -91,10 +91,10 @@ def terminal(rows, law):
     for heading, ratio in ((first, 5), ("Values", 6), (last, 2)):
         table.add_column(heading, ratio=ratio)
     for row in rows:
-        about = Text(f"{row.claim} [{row.where}]\n").append(row.note, "italic")
+        claim = Text(f"{row.claim} [{row.where}]\n").append(row.note, "italic")
         values = zip(sources, cells(row), strict=True)
         text = "\n".join(f"{source}: {'; '.join(lines)}" for source, lines in values)
-        table.add_row(about, Text(text), Text(row.verdict, STYLES[row.verdict]))
+        table.add_row(claim, Text(text), Text(row.verdict, STYLES[row.verdict]))
     return table
 
 

@@ -127,8 +127,8 @@ def last_cycle(run):
 
     def turn(i):
         """Return when tau turns between steps i and i + 1, and its value there."""
-        two = slice(i, i + 2)
-        piece = CubicHermiteSpline(t[two], tau[two], slope[two])
+        pair = slice(i, i + 2)
+        piece = CubicHermiteSpline(t[pair], tau[pair], slope[pair])
         (at,) = piece.derivative().roots(extrapolate=False)
         return at, piece(at)
 

@@ -64,8 +64,8 @@ class FittedRecord(NamedTuple):
 
     def dress(self, ax, rows):
         """Give these samples' panel its label and limits."""
-        since = " since the record's start" if rows == ALL_ROWS else ""
-        ax.set(xlabel=f"{ABSCISSAE[self.x]}{since} [{self.unit}]")
+        origin_text = " since the record's start" if rows == ALL_ROWS else ""
+        ax.set(xlabel=f"{ABSCISSAE[self.x]}{origin_text} [{self.unit}]")
         ax.set(xlim=self.values[rows][[0, -1]])
 
 
@@ -135,8 +135,8 @@ def residuals(record, law, ax, rows=ALL_ROWS):
     left = 1e3 * part["residual"].values
     scatter(ax, record.values[rows], left[rows], rows, LAWS[law].color, None)
     normal_95(ax, 1e3 * level, zorder=3)
-    most = 1e3 * 1.08 * max(float(np.abs(fit["residual"]).max()) for fit in record.laws.values())
-    ax.set(ylim=(-most, most), ylabel="Residual\n" + r"[$10^{-3}$]")
+    limit = 1e3 * 1.08 * max(float(np.abs(fit["residual"]).max()) for fit in record.laws.values())
+    ax.set(ylim=(-limit, limit), ylabel="Residual\n" + r"[$10^{-3}$]")
     record.dress(ax, rows)
 
 

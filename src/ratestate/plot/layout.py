@@ -120,9 +120,9 @@ def show_constant(ax):
         low, high = ends[:, i]
         size = max(abs(low), abs(high))
         if scale == "linear" and high - low <= CONSTANT * size < np.inf:
-            around = ends.copy()
-            around[:, i] = low - AROUND * size, high + AROUND * size
-            ax.update_datalim(around)
+            enlarged = ends.copy()
+            enlarged[:, i] = low - AROUND * size, high + AROUND * size
+            ax.update_datalim(enlarged)
     ax.autoscale_view()
 
 

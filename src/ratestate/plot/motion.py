@@ -92,8 +92,8 @@ def force_axis(run, ax):
         return None
     newtons = float(force(parameter(run, "sigma"), parameter(run, "area")))  # at tau/sigma = 1
     factor, unit = prefixed("N", float(abs(forces["force"]).max()))
-    per_one = factor * newtons
-    scale = ax.secondary_yaxis("right", functions=(lambda y: y * per_one, lambda f: f / per_one))
+    per_mu = factor * newtons
+    scale = ax.secondary_yaxis("right", functions=(lambda y: y * per_mu, lambda f: f / per_mu))
     scale.set_ylabel(f"Force [{unit}]")
     return scale
 

@@ -128,8 +128,8 @@ def displacement_of(data, time):
     """Return the load-point displacement (m,) [m], integrated from V_load if need be, or None."""
     if "delta_lp" in data.variables:
         displacement = column(data, "delta_lp")
-        if (far := float(np.ptp(displacement))) > MAX_DISTANCE:
-            raise sentences.refusal("columns.far", far=far, farthest=MAX_DISTANCE)
+        if (distance := float(np.ptp(displacement))) > MAX_DISTANCE:
+            raise sentences.refusal("columns.far", far=distance, farthest=MAX_DISTANCE)
         return displacement
     if "V_load" in data.variables:
         V, t = column(data, "V_load"), time - time[0]
@@ -215,9 +215,9 @@ def _check_given(loading, raw):
     if raw.displacement is None:
         return
     given = np.asarray(loading.delta_lp(raw.t))
-    worst, far = float(np.ptp(raw.displacement - given)), float(np.ptp(raw.displacement))
-    if worst > MAX_DIFFERENCE * far:
-        raise sentences.refusal("load_point.differs", given=float(given[-1]), far=far, worst=worst)
+    worst, span = float(np.ptp(raw.displacement - given)), float(np.ptp(raw.displacement))
+    if worst > MAX_DIFFERENCE * span:
+        raise sentences.refusal("load_point.differs", given=float(given[-1]), far=span, worst=worst)
 
 
 def segments_of(raw, loading=None):
@@ -228,9 +228,9 @@ def segments_of(raw, loading=None):
     if loading is None:
         return recorded_segments(raw.data, raw.time).without_overshoots()
     checked = constant_speeds_of(raw, loading)
-    nothing = np.zeros(checked.t.size)
+    zeros = np.zeros(checked.t.size)
     t, V = raw.time[0] + checked.t, np.asarray(checked.V, float)
-    return Segments(t, V, float(raw.time[-1]), nothing, nothing)
+    return Segments(t, V, float(raw.time[-1]), zeros, zeros)
 
 
 def recorded_stress(data, t, sigma):
@@ -277,9 +277,9 @@ def polyline_corners(t, values, tolerance):
             continue
         inside = slice(first + 1, last)
         slope = (values[last] - values[first]) / (t[last] - t[first])
-        off = np.abs(values[inside] - values[first] - slope * (t[inside] - t[first]))
-        farthest = int(np.argmax(off))
-        if off[farthest] > tolerance:
+        distances = np.abs(values[inside] - values[first] - slope * (t[inside] - t[first]))
+        farthest = int(np.argmax(distances))
+        if distances[farthest] > tolerance:
             middle = first + 1 + farthest
             kept[middle] = True
             open_ends += [(first, middle), (middle, last)]

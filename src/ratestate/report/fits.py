@@ -66,9 +66,9 @@ def report_on_fit(result: xarray.Dataset) -> Report:
     ]
     texts = [text for text in below if text and not text.endswith("law: ")]
     quality = _features(laws) if "chi2" in result else _statistics(laws)
-    above = [Title(title + law_names(laws)), *filter(None, [found])]
+    heading = [Title(title + law_names(laws)), *filter(None, [found])]
     return Report(
-        [*above, _table(laws), "", *quality, *texts, *notes],
+        [*heading, _table(laws), "", *quality, *texts, *notes],
         [f"warning: {law} law: {text}" for law, part in laws.items() for text in warnings_of(part)],
     )
 

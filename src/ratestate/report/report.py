@@ -84,26 +84,26 @@ class TextTable(NamedTuple):
             if i:
                 yield Text()
             heads = [self.columns[c] for c in columns]
-            made = rich_table.Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+            table = rich_table.Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
             for head in heads:
                 look: Any = {"justify": "right" if head.right else "left", "overflow": "fold"}
                 is_fixed = head.right and not self.splits
-                made.add_column(Text(head.head), no_wrap=is_fixed, **look)
+                table.add_column(Text(head.head), no_wrap=is_fixed, **look)
             for row in self.rows:
-                made.add_row(*(Text(row[c]) for c in columns))
-            yield made
+                table.add_row(*(Text(row[c]) for c in columns))
+            yield table
 
     def parts(self, width: int) -> list[list[int]]:
         """Return the columns (list of int) of each of the tables for a width [characters]."""
-        every = [*zip(*([head.head for head in self.columns], *self.rows), strict=True)]
-        widths = [max(len(line) for text in cells for line in text.split("\n")) for cells in every]
+        texts = [*zip(*([head.head for head in self.columns], *self.rows), strict=True)]
+        widths = [max(len(line) for text in cells for line in text.split("\n")) for cells in texts]
         columns = [*range(len(widths))]
 
-        def is_too_wide(some: list[int]) -> bool:
-            return sum(widths[c] + GAP for c in some) - GAP > width
+        def is_too_wide(shown: list[int]) -> bool:
+            return sum(widths[c] + GAP for c in shown) - GAP > width
 
-        while is_too_wide(columns) and (going := [c for c in columns if self.columns[c].may_go]):
-            first = self.columns[going[0]]
+        while is_too_wide(columns) and (optional := [c for c in columns if self.columns[c].may_go]):
+            first = self.columns[optional[0]]
             columns = [c for c in columns if self.columns[c] != first]
         if not self.splits:
             return [columns]

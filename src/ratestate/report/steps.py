@@ -81,13 +81,13 @@ def table_of(result, law):
             continue
         head, factor = _head(parts, symbol)
         estimates = part.sel(parameter=symbol)
-        together = [
+        joint = [
             _concise(estimates["shared"], estimates["shared_error"], factor),
             _concise(estimates["scatter"], np.nan, factor),
             _concise(estimates["up_over_down"], estimates["up_over_down_error"], 1.0),
         ]
         heads.append(Heading(head))
-        columns.append([*(_cell(step, symbol, factor) for step in steps), *together])
+        columns.append([*(_cell(step, symbol, factor) for step in steps), *joint])
     if any(notes := [*map(_note, steps)]):
         heads.append(left("note"))
         columns.append([*notes, *BLANK])
@@ -147,11 +147,11 @@ def change_text(step):
 
 def heading_of_steps(result):
     source = attribute_text(result, "source", "")
-    about = f"Fits of {source}: " if source else "Fits of "
+    title = f"Fits of {source}: " if source else "Fits of "
     laws = law_names(tuple(results_by_law(result)))
     counted = [(int((result["kind"] == kind).sum()), names) for kind, names in KINDS.items()]
     counts = ", ".join(f"{n} {names[n > 1]}" for n, names in counted if n)
-    return Title(f"{about}{counts}, {laws}")
+    return Title(f"{title}{counts}, {laws}")
 
 
 def remarks_on_steps(result):
@@ -182,11 +182,11 @@ def warnings_on_steps(result):
 def warnings_by_text(part):
     """Return pairs of steps, such as "steps 3, 9", and a warning on them."""
     steps: dict[str, list[str]] = {}
-    for i, several in enumerate(part["warnings"].values.tolist(), 1):
-        for text in several.splitlines():
+    for i, texts in enumerate(part["warnings"].values.tolist(), 1):
+        for text in texts.splitlines():
             steps.setdefault(text, []).append(str(i))
     return [
-        (f"step{'s' if len(of) > 1 else ''} {', '.join(of)}", text) for text, of in steps.items()
+        (f"step{'s' if len(ids) > 1 else ''} {', '.join(ids)}", text) for text, ids in steps.items()
     ]
 
 

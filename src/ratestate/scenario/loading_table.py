@@ -160,8 +160,8 @@ def _steps(key: str, steps: Any, place: Place, area: dict[str, Any]) -> list[tup
         if "t" not in values:
             step_place.missing("t")
         if kind == "hold":
-            for beside in {"V_lp", "ramp"} & values.keys():
-                step_place.at(beside).add("steps.beside_hold", like=known.like)
+            for extra in {"V_lp", "ramp"} & values.keys():
+                step_place.at(extra).add("steps.beside_hold", like=known.like)
         elif symbol not in values:
             of_speed = message("steps.speed_wanted", wanted=QUANTITIES["V_lp"].remedy)
             step_place.missing(symbol, of_speed if symbol == "V_lp" else "")
@@ -185,8 +185,8 @@ def _wave(key: str, table: Any, place: Place, area: dict[str, Any]) -> list[tupl
     if "amplitude" not in values:
         place.missing("amplitude", QUANTITIES[known.keys["amplitude"][0]].remedy)
     if ("period" in values) == ("frequency" in values):
-        twice = "period" in values
-        place.at("period").add("periodic.two_periods" if twice else "periodic.no_period")
+        has_both = "period" in values
+        place.at("period").add("periodic.two_periods" if has_both else "periodic.no_period")
     _divide_force(values, "amplitude", place, area)
     return [(place, Call(key, values))] if len(place.problems) == before else []
 
@@ -208,10 +208,10 @@ def _from_rows(given: dict[str, Any], place: Place, area: dict[str, Any]) -> Loa
                 place.missing(key, message("loading.speeds_wanted", like=SPEEDS_LIKE))
         elif not isinstance(given[key], list):
             at.add("loading.no_list", given=given[key], t=LIKE["t"], V_lp=SPEEDS_LIKE)
-        elif many := read_values(key, given[key], at, bound):
-            columns[key] = many.array()
-            if many.quantity != key:
-                unit = QUANTITIES[many.quantity].unit
+        elif values := read_values(key, given[key], at, bound):
+            columns[key] = values.array()
+            if values.quantity != key:
+                unit = QUANTITIES[values.quantity].unit
                 divide = functools.partial(_per_area, columns[key], unit, area)
                 columns[key] = at.noting(divide)
     if len(place.problems) > before:

@@ -172,8 +172,8 @@ class InlineTable(NamedTuple):
     def read(self, table: Any, place: Place) -> dict[str, Any] | None:
         """Return key -> value in SI, None for a problem, noted; None if it is not a table."""
         if not isinstance(table, dict):
-            what = "tables" if self.like.startswith("[") else "a table"
-            place.add("table.none", given=table, wanted=f"Give {what} such as {self.like}.")
+            form = "tables" if self.like.startswith("[") else "a table"
+            place.add("table.none", given=table, wanted=f"Give {form} such as {self.like}.")
             return None
         note_unknown_keys(table, self.keys, self.like, place)
         return {

@@ -148,8 +148,8 @@ def _summary(values, sizes, unit=""):
         texts = values.astype(str).ravel().tolist()
         found = ", ".join(texts[:5]) + (", ..." if len(texts) > 5 else "")
         content = json.dumps(texts).encode()
-    along = ", ".join(f"{dim}: {n}" for dim, n in sizes.items()) or f"{values.size} values"
-    return f"<{along}; {found}; SHA-256 {hashlib.sha256(content).hexdigest()[:16]}>"
+    dims_text = ", ".join(f"{dim}: {n}" for dim, n in sizes.items()) or f"{values.size} values"
+    return f"<{dims_text}; {found}; SHA-256 {hashlib.sha256(content).hexdigest()[:16]}>"
 
 
 def _leaves(value, name=""):

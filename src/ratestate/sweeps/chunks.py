@@ -137,9 +137,9 @@ def cases_per_chunk(request):
         return min(n, CASES_ON_GPU, fits)
     sample = sample_of(request.call, min(SAMPLE, fits))
     case_seconds = max(request.backend.run(seconds_per_case, sample, specs), 1e-9)
-    full = float(np.clip(LONGEST / case_seconds, LANES, CASES_TO_FILL_LANES))
-    if request.backend.shared and n < 2 * workers * full:
+    full_chunk = float(np.clip(LONGEST / case_seconds, LANES, CASES_TO_FILL_LANES))
+    if request.backend.shared and n < 2 * workers * full_chunk:
         return min(n, fits, math.ceil(LONGEST * workers / case_seconds))
     seconds = float(np.clip(n * case_seconds / (CHUNKS_PER_WORKER * workers), *SECONDS))
     number = workers * math.ceil(n * case_seconds / (seconds * workers))
-    return min(n, fits, math.ceil(max(n / number, full)))
+    return min(n, fits, math.ceil(max(n / number, full_chunk)))

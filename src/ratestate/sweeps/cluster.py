@@ -147,8 +147,8 @@ def _result_of(answer):
     except KilledWorker as error:
         raise SolverError(sentence("cluster.workers_die")) from error
     except Exception as error:
-        what = f"{type(error).__name__}: {error}"
-        raise SolverError(sentence("cluster.worker", error=what)) from error
+        error_text = f"{type(error).__name__}: {error}"
+        raise SolverError(sentence("cluster.worker", error=error_text)) from error
 
 
 def import_extra(module):

@@ -22,7 +22,7 @@ class VariableSpec(NamedTuple):
     dims: tuple
     dtype: np.dtype
     attrs: dict
-    own: dict  # sizes of the dimensions that are not the sweep's
+    sizes: dict  # sizes of the dimensions that are not the sweep's
 
     @property
     def missing(self) -> Any:
@@ -35,7 +35,7 @@ class VariableSpec(NamedTuple):
 
     def empty(self, sizes):
         """Return a Variable without answers; sizes: dimension of the sweep -> number of values."""
-        shape = [{**sizes, **self.own}[dim] for dim in self.dims]
+        shape = [{**sizes, **self.sizes}[dim] for dim in self.dims]
         return xarray.Variable(self.dims, np.full(shape, self.missing, self.dtype), self.attrs)
 
 
@@ -137,4 +137,4 @@ def count_failed(variables):
 
 def bytes_per_case(specs):
     """Return the bytes of memory that the result of a case takes; 8 for each text."""
-    return sum(spec.dtype.itemsize * math.prod(spec.own.values()) for spec in specs.values())
+    return sum(spec.dtype.itemsize * math.prod(spec.sizes.values()) for spec in specs.values())

@@ -216,8 +216,8 @@ def open_result(path):
     """
     with reading(path):
         store = Store.open(path)
-        old = "arguments" not in store.record  # its chunks were done later than their status
-        if missing := [] if old else store.flaws(contents=False):
+        is_old = "arguments" not in store.record  # its chunks were done later than their status
+        if missing := [] if is_old else store.flaws(contents=False):
             raise StoreError(damage_message(path, missing))
         data = xarray.open_zarr(path, chunks=None, decode_cf=False, zarr_format=3)
         if not store.done().all():

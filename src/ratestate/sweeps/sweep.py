@@ -198,8 +198,8 @@ class Request:
 
         failed : number of failed cases among those done
         """
-        lean = store and dataclasses.replace(store)  # without the arrays that it has opened
-        tasks = Tasks(chunks, self.form.specs, lean, self.device)
+        closed_store = store and dataclasses.replace(store)  # without the arrays that it has opened
+        tasks = Tasks(chunks, self.form.specs, closed_store, self.device)
         numbers = np.flatnonzero(~done).tolist()
         label = f"sweep of {self.name}"
         with ProgressReport(label, chunks, done, failed, quiet=not self.progress) as report:

@@ -112,15 +112,15 @@ def _add_result(memory, request, chunks):
         if variable.dtype.kind == "f":
             encoding[name] |= {"fill_value": NO_RESULT, "_FillValue": None}
     # (without empty chunks a missing file could not be told from one of zeros)
-    how = {"mode": "a", "consolidated": False, "zarr_format": 3, "write_empty_chunks": True}
-    result.to_zarr(memory, encoding=encoding, **how)
+    options = {"mode": "a", "consolidated": False, "zarr_format": 3, "write_empty_chunks": True}
+    result.to_zarr(memory, encoding=encoding, **options)
     sizes, shape = chunks.sizes, dict(zip(chunks.sizes, chunks.shape, strict=True))
     for name, spec in form.swept.items():
         attrs = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in spec.attrs.items()}
         group.create_array(
             name,
-            shape=tuple({**sizes, **spec.own}[dim] for dim in spec.dims),
-            chunks=tuple({**shape, **spec.own}[dim] for dim in spec.dims),
+            shape=tuple({**sizes, **spec.sizes}[dim] for dim in spec.dims),
+            chunks=tuple({**shape, **spec.sizes}[dim] for dim in spec.dims),
             dtype=str if spec.dtype == object else spec.dtype,
             fill_value=FILL_VALUES.get(spec.dtype.kind, spec.missing),
             dimension_names=spec.dims,

@@ -124,16 +124,16 @@ def _linearised_map(problem, y, weights):
     defined = orbit.ok & np.isfinite(orbit.image).all(axis=1)
     if not (defined[0] and defined[1:3].any() and np.isfinite(orbit.jacobian[0]).all()):
         raise StepFailed(NO_RETURN)
-    above, below = (1 if defined[1] else 0), (2 if defined[2] else 0)
-    change, one_sided = orbit.image[above] - orbit.image[below], orbit.image[0] - orbit.image[below]
+    upper, lower = (1 if defined[1] else 0), (2 if defined[2] else 0)
+    change, one_sided = orbit.image[upper] - orbit.image[lower], orbit.image[0] - orbit.image[lower]
     unequal = np.abs(change - 2 * one_sided) > 0.9 * np.abs(change) + JUMP * weights[:-1]
     if defined[1:3].all() and unequal.any():
         raise StepFailed(NO_CONVERGENCE)  # a jump, which looks like a steep slope
-    dP_dp = change / (p[above] - p[below])
+    dP_dp = change / (p[upper] - p[lower])
     if defined.all():
-        nearby = (orbit.image[3] - orbit.image[4]) / (p[3] - p[4])
+        slope_at_ends = (orbit.image[3] - orbit.image[4]) / (p[3] - p[4])
         noise = problem.noise * weights[:-1] / (SHORTER_PART * step)
-        dP_dp = np.where(np.abs(nearby - dP_dp) > noise, nearby, dP_dp)
+        dP_dp = np.where(np.abs(slope_at_ends - dP_dp) > noise, slope_at_ends, dP_dp)
     return orbit, np.column_stack([orbit.jacobian[0] - np.eye(n), dP_dp]) * weights
 
 

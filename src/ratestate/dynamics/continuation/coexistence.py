@@ -98,13 +98,13 @@ def _bracket_maximum(law, beta, eta, curvature):
     psi, excess = SMALLEST * np.sqrt(beta - 1.0) / beta, curvature * SMALLEST**2
     G = beta * psi
     cycles = _closed(law, beta, eta, SizedCycles(psi, G, excess, G, 2.0 * excess), ROUGH)
-    nothing = SizedCycles(*np.full((len(cycles), len(eta)), np.nan))
-    left, right = nothing, nothing
+    missing = SizedCycles(*np.full((len(cycles), len(eta)), np.nan))
+    left, right = missing, missing
     for _ in range(MAX_SIZES):
-        going = cycles.excess > FLOOR
-        if not going.any():
+        has_excess = cycles.excess > FLOOR
+        if not has_excess.any():
             break
-        guess = cycles.of_size(RATIO * cycles.psi).where(going, nothing)
+        guess = cycles.of_size(RATIO * cycles.psi).where(has_excess, missing)
         previous, cycles = cycles, _closed(law, beta, eta, guess, ROUGH)
         between = (previous.excess_slope > 0.0) & (cycles.excess_slope <= 0.0)
         left, right = previous.where(between, left), cycles.where(between, right)
@@ -165,8 +165,8 @@ def _linearised(law, beta, eta, psi, G, excess):
     h = np.sqrt(tol)
 
     kappa = (beta - 1.0) * (1.0 + eta) * (1.0 + np.stack([excess, excess + h]))
-    twice = [np.tile(values, 2) for values in (beta, eta, np.full(n, np.inf))]
-    system = one_length_system(law, kappa.ravel(), *twice)
+    columns = [np.tile(values, 2) for values in (beta, eta, np.full(n, np.inf))]
+    system = one_length_system(law, kappa.ravel(), *columns)
     u = np.tile(np.stack([psi, G], axis=1), (2, 1))
     returns = return_map(system, state(system, u), np.tile(tol, 2))
     gap = returns.image - u

@@ -236,9 +236,9 @@ def _polished(family, points, exact):
     rows, last_change = np.arange(len(points)), np.full(len(points), np.inf)
     for number in range(MAX_CORRECTIONS):
         correction = _correction(family, select(polished, rows), select(shape, rows))
-        near = np.abs(correction.step / shape.weights[rows]).max(axis=1) < FARTHEST
-        near &= np.isfinite(correction.changes + correction.error).all(axis=1)
-        rows, correction = rows[near], select(correction, near)
+        is_near = np.abs(correction.step / shape.weights[rows]).max(axis=1) < FARTHEST
+        is_near &= np.isfinite(correction.changes + correction.error).all(axis=1)
+        rows, correction = rows[is_near], select(correction, is_near)
         polished.u[rows] += correction.step[:, :-1]
         polished.parameter[rows] *= 1.0 + correction.step[:, -1]
         polished.period[rows] = correction.period

@@ -170,8 +170,8 @@ def _finish_on_small_cycles(system, estimates, rows):
         return
     part = system.at(rows)
     cycles = small_cycle(part.law, part.kappa, part.beta, part.eta)
-    near = cycles.valid & (cycles.r < 2.0 * SMALL)
-    rows, cycles = rows[near], select(cycles, near)
+    is_small = cycles.valid & (cycles.r < 2.0 * SMALL)
+    rows, cycles = rows[is_small], select(cycles, is_small)
     estimates.status[rows] = FINISHED
     estimates.u[rows] = np.stack([cycles.psi, cycles.G], axis=1)
     estimates.period[rows] = 2.0 * np.pi / cycles.omega
@@ -295,21 +295,21 @@ def _leap(system, returns, u, local, can_leap):
             matrix = returns.jacobian - other[:, None, None] * np.eye(u.shape[1])
             slow = (matrix @ slow[:, :, None])[:, :, 0] / (first - other)[:, None]
         slow = slow.real
-        along = distance(system, slow)
-        max_step = 0.5 * along / np.abs(1.0 - first)
-        bold = system.stable | (system.eta > 0.0)
-        largest = np.where(bold, LARGEST_LEAP, LARGEST_LEAP_WITHOUT_MASS)
-        leap = np.minimum(largest * size, max_step) / along - 1.0
+        slow_size = distance(system, slow)
+        max_step = 0.5 * slow_size / np.abs(1.0 - first)
+        can_be_large = system.stable | (system.eta > 0.0)
+        largest = np.where(can_be_large, LARGEST_LEAP, LARGEST_LEAP_WITHOUT_MASS)
+        leap = np.minimum(largest * size, max_step) / slow_size - 1.0
         # Without inertia, orbits at K_c may be neutral, so that leaps would be a random walk; and
         # under laws of one length there is no cycle to leap to.
         can_leap = can_leap & (first.imag == 0.0) & (first.real > 0.0)
-        leads = system.stable | (not system.friction_law.one_length)
-        can_leap &= (system.eta > 0.0) | (leads & (np.abs(1.0 - first) > NEUTRAL))
+        has_cycle = system.stable | (not system.friction_law.one_length)
+        can_leap &= (system.eta > 0.0) | (has_cycle & (np.abs(1.0 - first) > NEUTRAL))
         # If faster parts of the move are larger, they hide the slow one, and the map bends.
-        can_leap &= distance(system, move - slow) <= along
+        can_leap &= distance(system, move - slow) <= slow_size
         leapt = returns.image + np.where(can_leap, leap, 0.0)[:, None] * slow
-    far = can_leap & (leap > 0.0) & (leapt[:, -1] > 0.0)
-    return np.where(far[:, None], leapt, returns.image)
+    leaps = can_leap & (leap > 0.0) & (leapt[:, -1] > 0.0)
+    return np.where(leaps[:, None], leapt, returns.image)
 
 
 def _nonlinearity(system, returns, search, local):
@@ -335,8 +335,8 @@ def _alternates(system, search, move, first, refuted, on_orbit):
     the period doubling at which a cycle of twice the returns appears.
     """
     last = search["move"]
-    along = (system.weights**2 * move * last).sum(axis=1)
-    reversals = np.where(along < 0.0, search["reversals"] + 1, 0)
+    projection = (system.weights**2 * move * last).sum(axis=1)
+    reversals = np.where(projection < 0.0, search["reversals"] + 1, 0)
     search["reversals"] = np.where(on_orbit, reversals, search["reversals"])
     search["move"] = np.where(on_orbit[:, None], move, last)
     flips = refuted & (first.imag == 0.0) & (first.real < FLIPS)

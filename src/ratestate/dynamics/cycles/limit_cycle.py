@@ -213,11 +213,11 @@ class LimitCycleCall(CheckedCall):
                 measures.setdefault(name, empty)[rows[cycle]] = value
         if measures:
             # A cycle that proves to be unstable is not the attractor.
-            good = (measures["error"] <= WORST) & (np.abs(measures["multipliers"][:, 0]) < 1.0)
-            doubtful = (status == FINISHED) & ~good
-            status[doubtful] = NO_CONVERGENCE
+            valid = (measures["error"] <= WORST) & (np.abs(measures["multipliers"][:, 0]) < 1.0)
+            is_doubtful = (status == FINISHED) & ~valid
+            status[is_doubtful] = NO_CONVERGENCE
             for value in () if is_single else measures.values():
-                value[doubtful] = np.nan
+                value[is_doubtful] = np.nan
         return status, measures
 
     def refuse_failure(self, result):

@@ -55,17 +55,17 @@ def refine(system, cycles, rtol):
         floor = tightest(system, cycles.u)
         of_multipliers = measures["multipliers_error"].max(axis=1) / OF_MULTIPLIER
         errors = np.fmax(measures["error"], of_multipliers)
-        worse = (errors > rtol) & (cycles.tol > floor) & (cycles.error == 0.0)
-        if not worse.any():
+        refined = (errors > rtol) & (cycles.tol > floor) & (cycles.error == 0.0)
+        if not refined.any():
             break
-        finer = cycles.tol[worse] * np.clip(rtol / errors[worse], 0.01, 0.3)
-        cycles.tol[worse] = np.maximum(finer, floor[worse])
+        finer = cycles.tol[refined] * np.clip(rtol / errors[refined], 0.01, 0.3)
+        cycles.tol[refined] = np.maximum(finer, floor[refined])
         # (if there is no cycle, Newton's step may lead to where V falls)
-        known = worse & (measures["u"][:, -1] > 0.0)
+        known = refined & (measures["u"][:, -1] > 0.0)
         cycles.u[known] = measures["u"][known]
         cycles.period[known] = measures["period"][known]
-        for name, value in measure(system.at(worse), cycles.at(worse)).items():
-            measures[name][worse] = value
+        for name, value in measure(system.at(refined), cycles.at(refined)).items():
+            measures[name][refined] = value
     small = np.flatnonzero(cycles.error > 0.0)
     if len(small):
         _improve_multipliers(system.at(small), measures, small)

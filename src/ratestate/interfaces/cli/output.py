@@ -127,10 +127,10 @@ def folder(out: Path | None) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def reporting_files(what: str) -> Iterator[list[Path]]:
+def reporting_files(task: str) -> Iterator[list[Path]]:
     """Report on stderr what is being made; if that succeeds, then the time and the files listed."""
     stderr = _console(stderr=True)
-    stderr.print(f"[bold]{what}[/bold] ...")
+    stderr.print(f"[bold]{task}[/bold] ...")
     begin, files = time.monotonic(), list[Path]()
     yield files
     stderr.print(f"  {time.monotonic() - begin:.1f} s", style="dim")

@@ -79,8 +79,8 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
             f"{report} exists, is not a report of ratestate fit, and is not replaced",
             "Give another folder with --out.",
         )
-    what = f"fit of {request.names}, {law_names(request.laws)}"
-    with folder(out), reporting_files(what) as files:
+    task = f"fit of {request.names}, {law_names(request.laws)}"
+    with folder(out), reporting_files(task) as files:
         with warnings.catch_warnings():
             # both are printed with the result
             warnings.simplefilter("ignore", FitWarning)

@@ -36,8 +36,8 @@ def init(kind: str = "lab", *, out: Path | None = None, listing: bool = False) -
     _write({places[file]: text for file, text in texts.items()})
     print_line(f"wrote {' and '.join(map(str, places.values()))}\nNext:")
     for line in templates.commands(kind):
-        for file, place in places.items():
-            line = line.replace(f" {file}", f" {shlex.quote(str(place))}")
+        for file, path_of_file in places.items():
+            line = line.replace(f" {file}", f" {shlex.quote(str(path_of_file))}")
         print_line(f"  {line}")
 
 

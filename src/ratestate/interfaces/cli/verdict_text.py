@@ -89,12 +89,12 @@ def _notes_on_end(verdict: Verdict, result: xarray.Dataset) -> list[str]:
     amplitude = float(result.amplitude) * (parameter(result, "sigma") / verdict.slider.sigma)
     expected = verdict.amplitude
     if expected is None:
-        far = verdict.regime == RUNAWAY and int(result.status) == FINISHED
+        is_far = verdict.regime == RUNAWAY and int(result.status) == FINISHED
     elif int(result.status) == RAN_AWAY:
         return [SENTENCES("run.runaway")]
     else:
-        far = abs(amplitude - expected) > MAX_DIFFERENCE * max(amplitude, expected)
-    if not far:
+        is_far = abs(amplitude - expected) > MAX_DIFFERENCE * max(amplitude, expected)
+    if not is_far:
         return []
     if not verdict.stable and float(result.V_max) <= (1.0 + UNCHANGED) * float(result.V_min):
         start = OTHER_START * verdict.V_lp

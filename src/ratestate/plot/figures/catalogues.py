@@ -45,8 +45,8 @@ def events_figure(catalogues):
     named = _checked_catalogues(catalogues)
     loaded = any(bool(catalogue.data.recurrence.notnull().any()) for catalogue in named)
     heights = [RECORD * len(named) + 0.3, *([BELOW + 0.3] if loaded else [])]
-    what = named[0].name if len(named) == 1 else f"{len(named)} catalogues"
-    fig = blank_figure(sum(heights) + 0.3, f"Stick-slip of {what}")
+    subject = named[0].name if len(named) == 1 else f"{len(named)} catalogues"
+    fig = blank_figure(sum(heights) + 0.3, f"Stick-slip of {subject}")
     top, *below = fig.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
     records = top.subplots(len(named), 1, squeeze=False)[:, 0]
     for catalogue, ax in zip(named, records, strict=True):
@@ -57,8 +57,8 @@ def events_figure(catalogues):
     return fig
 
 
-def _heading(catalogue, several):
-    name = f"{catalogue.name}: " if several else ""
+def _heading(catalogue, is_named):
+    name = f"{catalogue.name}: " if is_named else ""
     marks = "\N{WHITE DOWN-POINTING TRIANGLE} peaks, \N{WHITE UP-POINTING TRIANGLE} troughs"
     if (catalogue.data.event_status == SEVERAL).any():
         marks += ", \N{MULTIPLICATION SIGN} several events in one fall"
@@ -113,9 +113,9 @@ def _record(catalogue, ax):
         x, y = in_time * data[f"event_{edge}"], factor * data[level]
         look = {"color": catalogue.color, "ms": 3.5, "mew": 0.7, "mfc": "none", "ls": ""}
         ax.plot(x, y, mark, **look, zorder=3)
-    several = data.isel(event=data.event_status.values == SEVERAL)
-    middle = 0.5 * factor * (several.tau_max + several.tau_min)
-    ax.plot(in_time * several.event_time, middle, "x", color=catalogue.color, ms=5, zorder=3)
+    merged = data.isel(event=data.event_status.values == SEVERAL)
+    middle = 0.5 * factor * (merged.tau_max + merged.tau_min)
+    ax.plot(in_time * merged.event_time, middle, "x", color=catalogue.color, ms=5, zorder=3)
     ax.margins(x=0.01)
     ax.set(xlabel=in_unit("Time", time_unit), ylabel=in_unit(r"$\tau$", unit))
 

@@ -80,11 +80,11 @@ def non_gaussian(result):
     """
     laws = results_by_law(result)
     free = {s: _laws_with(laws, s).values() for s in estimated_symbols(laws) if s not in DERIVED}
-    drawn = (_profile(p, s) or _samples(p, s) is not None for s, has in free.items() for p in has)
+    drawn = (_profile(p, s) or _samples(p, s) is not None for s, fits in free.items() for p in fits)
     if not any(drawn):
         return []
     return [
-        s for s, has in free.items() if all(np.isfinite(_standard_error(part, s)) for part in has)
+        s for s, fits in free.items() if all(np.isfinite(_standard_error(part, s)) for part in fits)
     ]
 
 
@@ -171,14 +171,14 @@ def write(ax, laws, columns):
     """Write a table with rules; columns : (heading, a cell for each law).  It shrinks to fit."""
     ax.set_axis_off()
     ax.set(xlim=(0.0, 1.0), ylim=(len(laws) + 1.0, 0.0))
-    wide = [text_width(f"{max(laws, key=len)} law", SIZE) * BOLD]
-    wide += [
+    widths = [text_width(f"{max(laws, key=len)} law", SIZE) * BOLD]
+    widths += [
         GAP + max(text_width(cell, SIZE) for cell in (heading, *cells))
         for heading, cells in columns
     ]
-    right, room = np.cumsum(wide), (ax.get_figure(root=True).get_figwidth() - MARGIN) * 72.0
+    right, room = np.cumsum(widths), (ax.get_figure(root=True).get_figwidth() - MARGIN) * 72.0
     at = {"va": "center", "fontsize": SIZE * min(room / right[-1], 1.0)}
-    right += max(room - right[-1], 0.0) / len(columns) * np.arange(len(wide))
+    right += max(room - right[-1], 0.0) / len(columns) * np.arange(len(widths))
     right /= right[-1]
     for y in (0.0, 1.0, len(laws) + 1.0):
         ax.plot([0.0, 1.0], [y, y], color="k", lw=0.5 if y == 1.0 else 0.8, clip_on=False)

@@ -178,10 +178,10 @@ def _features(ax, laws):
     at = np.arange(len(names))
     normal_95(ax)
     for i, (law, part) in enumerate(laws.items()):
-        off = ((part["fitted"] - part["measured"]) / part["measured_error"]).where(part["used"])
+        error = ((part["fitted"] - part["measured"]) / part["measured_error"]).where(part["used"])
         color = LAWS[law].color
         shift = 0.2 * (i - 0.5 * (len(laws) - 1))
-        for j, row in enumerate(off.transpose("segment", "feature").values):
+        for j, row in enumerate(error.transpose("segment", "feature").values):
             style = {"color": color, "mfc": "w" if j else color, "ms": 4, "ls": ""}
             ax.plot(at + shift, row, MARKERS[j % len(MARKERS)], **style)
     ax.set_xticks(at, names)

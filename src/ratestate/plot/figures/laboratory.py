@@ -48,14 +48,14 @@ def _record(result, ax):
     at = factor * (t - t[0])
     scatter(ax, at, result["friction"].values, ALL_ROWS, "0.45", "_")
     start = factor * (result["hold_start"].values - t[0])
-    lasts, is_found = factor * result["t_hold"].values, result["hold_status"].values == 0
-    for left, width, known in zip(start, lasts, is_found, strict=True):
+    durations, is_found = factor * result["t_hold"].values, result["hold_status"].values == 0
+    for left, width, known in zip(start, durations, is_found, strict=True):
         ax.axvspan(left, left + width, color=SHADES[int(known)], lw=0.0, zorder=0)
     peaks = factor * (result["peak_time"].values - t[0])
     look = {"ls": "", "ms": 4.0, "mfc": "none", "zorder": 5}
     ax.plot(peaks, result["friction_peak"], "^", color="C3", label="peak", **look)
     ax.plot(start, result["friction_before"], "o", color="C0", label="steady before", **look)
-    ax.plot(start + lasts, result["friction_min"], "v", color="C2", label="end of hold", **look)
+    ax.plot(start + durations, result["friction_min"], "v", color="C2", label="end of hold", **look)
     ax.plot(at, result["friction_steady"], color="C0", lw=1.0, zorder=4)
     ax.set(xlabel=f"Time since the record's start [{unit}]", ylabel=r"Friction $\tau/\sigma$")
     ax.margins(x=0.01)
@@ -103,8 +103,8 @@ def machine_figure(result):
         estimate(result, symbol) for symbol in ("K", "M", "damping")
     )
     chosen = {name: _heaviest(result, name) for name in DRAWN if result.sizes[name]}
-    more = _count_text(result, chosen)
-    fig = figure(result, 0.6 + 2.3 * len(chosen), symbols="", more=more, title=_typeset(title))
+    note = _count_text(result, chosen)
+    fig = figure(result, 0.6 + 2.3 * len(chosen), symbols="", more=note, title=_typeset(title))
     panels, texts = [], []
     parts = np.ravel(fig.subfigures(len(chosen), 1))
     for part, (name, rows) in zip(parts, chosen.items(), strict=True):
@@ -163,13 +163,13 @@ def _draw_panel(result, name, i, ax):
     known = np.flatnonzero(np.isfinite(fitted) & (t >= start))
     # (the next one's level before may follow)
     known = known[: np.append(np.flatnonzero(np.diff(known) > GAP) + 1, known.size)[0]]
-    lasts = float(t[known[-1]] - start)
-    shown = (t > start - PART_BEFORE * lasts) & (t < start + (1.0 + PART_AFTER) * lasts)
-    drawn = shown & np.isfinite(fitted) & (t <= t[known[-1]])
-    factor, unit = prefixed("s", lasts)
+    duration = float(t[known[-1]] - start)
+    is_shown = (t > start - PART_BEFORE * duration) & (t < start + (1.0 + PART_AFTER) * duration)
+    is_drawn = is_shown & np.isfinite(fitted) & (t <= t[known[-1]])
+    factor, unit = prefixed("s", duration)
     look = {"ls": "", "marker": ".", "ms": 2.0, "mew": 0.0, "color": "0.55", "rasterized": True}
-    ax.plot(factor * (t[shown] - start), result["friction"].values[shown], **look)
+    ax.plot(factor * (t[is_shown] - start), result["friction"].values[is_shown], **look)
     color = RED if name == "slope" else BLUE
-    ax.plot(factor * (t[drawn] - start), fitted[drawn], color=color, lw=1.2)
+    ax.plot(factor * (t[is_drawn] - start), fitted[is_drawn], color=color, lw=1.2)
     ax.axvline(0.0, color=GRAY, lw=0.7, ls=":")
     ax.set_xlabel(f"Time [{unit}]")

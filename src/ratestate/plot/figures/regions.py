@@ -31,7 +31,7 @@ FINER_POINTS = 8
 ODD: Any = {"mode": "reflect", "reflect_type": "odd"}
 
 
-def divide(fig, axes, result, dims, along, across, outside):
+def divide(fig, axes, result, dims, x_axis, y_axis, outside):
     """Draw V_c into the maps of a sweep, hatch some cases, and write what each region is.
 
     Regions are regimes of limit cycles, or where steady sliding is stable; runs have none.  One
@@ -43,10 +43,10 @@ def divide(fig, axes, result, dims, along, across, outside):
     marks, texts = [], []
     if outside.any():
         for ax in axes:
-            ax.add_patch(PathPatch(_cells(along, across, outside), **HATCHED))
+            ax.add_patch(PathPatch(_cells(x_axis, y_axis, outside), **HATCHED))
         marks, texts = [Patch(**HATCHED)], [OUTSIDE]
     lines = []
-    for x, y in _critical(result, dict(zip(dims, (across, along), strict=True))):
+    for x, y in _critical(result, dict(zip(dims, (y_axis, x_axis), strict=True))):
         for ax in axes:
             lines += ax.plot(x, y, color="k", lw=1.1, path_effects=HALO)
     if lines:
@@ -56,12 +56,12 @@ def divide(fig, axes, result, dims, along, across, outside):
         fig.legend(marks, texts, loc="upper right")
     if "inertia" in result:
         names = classify(result).regime.transpose(*dims).values
-        _separate(axes[0], along, across, np.where(names == STEADY, UNKNOWN, names))
-        _write_names(axes[0], along, across, names)
+        _separate(axes[0], x_axis, y_axis, np.where(names == STEADY, UNKNOWN, names))
+        _write_names(axes[0], x_axis, y_axis, names)
     elif "stable" in result:
         stable = result["stable"].variable.set_dims({dim: result.sizes[dim] for dim in dims})
         names = np.where(stable.transpose(*dims).values, "stable", "unstable")
-        _write_names(axes[0], along, across, names)
+        _write_names(axes[0], x_axis, y_axis, names)
 
 
 def _critical(result, axes):
@@ -76,10 +76,10 @@ def _critical(result, axes):
     ones = np.ones([_numbers(axis).size for axis in axes.values()])
     frame = xarray.DataArray(ones, dims=[*axes])
     ratio = (K_c(_finer(V, axes), **finer) / K * frame).transpose(*axes).values
-    (down, across), (right, along) = ((_numbers(axis), axis) for axis in axes.values())
-    lines: Any = contour_generator(right, down, np.ma.masked_invalid(ratio)).lines(1.0)
+    (y_numbers, y_axis), (x_numbers, x_axis) = ((_numbers(axis), axis) for axis in axes.values())
+    lines: Any = contour_generator(x_numbers, y_numbers, np.ma.masked_invalid(ratio)).lines(1.0)
     for path in lines:
-        yield _place(along, path[:, 0]), _place(across, path[:, 1])
+        yield _place(x_axis, path[:, 0]), _place(y_axis, path[:, 1])
 
 
 def _numbers(axis):
@@ -112,8 +112,8 @@ def _finer(value, axes):
     return xarray.DataArray(found, dims=value.dims)
 
 
-def _cells(along, across, cases):
-    x, y = along.edges, across.edges
+def _cells(x_axis, y_axis, cases):
+    x, y = x_axis.edges, y_axis.edges
     cells = [
         Path([(x[j], y[i]), (x[j + 1], y[i]), (x[j + 1], y[i + 1]), (x[j], y[i + 1]), (0, 0)], CELL)
         for i, j in np.argwhere(cases)
@@ -121,19 +121,19 @@ def _cells(along, across, cases):
     return Path.make_compound_path(*cells)
 
 
-def _separate(ax, along, across, names):
+def _separate(ax, x_axis, y_axis, names):
     """Draw lines along the edges of cells of different names, but of `UNKNOWN`."""
-    x, y = along.edges, across.edges
+    x, y = x_axis.edges, y_axis.edges
     known = names != UNKNOWN
-    beside = (names[:, 1:] != names[:, :-1]) & known[:, 1:] & known[:, :-1]
-    above = (names[1:] != names[:-1]) & known[1:] & known[:-1]
-    lines = [[(x[j + 1], y[i]), (x[j + 1], y[i + 1])] for i, j in np.argwhere(beside)]
-    lines += [[(x[j], y[i + 1]), (x[j + 1], y[i + 1])] for i, j in np.argwhere(above)]
+    is_edge_beside = (names[:, 1:] != names[:, :-1]) & known[:, 1:] & known[:, :-1]
+    is_edge_above = (names[1:] != names[:-1]) & known[1:] & known[:-1]
+    lines = [[(x[j + 1], y[i]), (x[j + 1], y[i + 1])] for i, j in np.argwhere(is_edge_beside)]
+    lines += [[(x[j], y[i + 1]), (x[j + 1], y[i + 1])] for i, j in np.argwhere(is_edge_above)]
     if lines:
         ax.add_collection(LineCollection(lines, colors="w", linewidths=0.9))
 
 
-def _write_names(ax, along, across, names):
+def _write_names(ax, x_axis, y_axis, names):
     """Write the name of each region, on a line or two, where it has most room."""
     finer = np.repeat(np.repeat(names, FINER_POINTS, axis=0), FINER_POINTS, axis=1)
     for name in np.setdiff1d(names, UNKNOWN):
@@ -142,7 +142,7 @@ def _write_names(ax, along, across, names):
         room, row, column, text = max(_most_room(finer == name, text) for text in texts)
         if room > 0.5:
             at = {"ha": "center", "va": "center", "fontsize": 7, "path_effects": HALO}
-            ax.text(_place(along, column), _place(across, row), text, **at)
+            ax.text(_place(x_axis, column), _place(y_axis, row), text, **at)
 
 
 def _most_room(inside, text):

@@ -112,11 +112,11 @@ def _motion(run, title, result):
 def _normal_stress(run, ax):
     factor, unit = fitting_unit("sigma", run.sigma, contact_area(run))
     in_time, _ = prefixed("s", float(run.time.max()))
-    behind = ax.twinx()
-    behind.plot(in_time * run.time, factor * run.sigma, color=GRAY, **THIN)
-    behind.set_ylabel(rf"$\sigma$ [{unit}]", color=GRAY)
-    behind.tick_params(axis="y", colors=GRAY)
-    ax.set_zorder(behind.get_zorder() + 1)
+    stress_ax = ax.twinx()
+    stress_ax.plot(in_time * run.time, factor * run.sigma, color=GRAY, **THIN)
+    stress_ax.set_ylabel(rf"$\sigma$ [{unit}]", color=GRAY)
+    stress_ax.tick_params(axis="y", colors=GRAY)
+    ax.set_zorder(stress_ax.get_zorder() + 1)
     ax.patch.set_visible(False)
 
 

@@ -65,14 +65,14 @@ def steps_figure(result):
 
 def _title(result, laws, shown):
     source, n = attribute_text(result, "source", ""), result.sizes["step"]
-    what = "1 step" if n == 1 else f"{n} steps and holds"
-    of = f"Fits of {what}{f' of {source}' if source else ''}, {law_names(tuple(laws))}"
-    return of if shown == n else f"{of} ({shown} of them shown)"
+    counts = "1 step" if n == 1 else f"{n} steps and holds"
+    title = f"Fits of {counts}{f' of {source}' if source else ''}, {law_names(tuple(laws))}"
+    return title if shown == n else f"{title} ({shown} of them shown)"
 
 
 def _step(step, laws, axes):
     """A step's record about its start under the fitted curves, and below it the residuals."""
-    x, what = _abscissa(step)
+    x, text = _abscissa(step)
     ax, below = axes
     level = float(np.nanmedian(step["friction"]))
     ax.plot(x, 1e3 * (step["friction"] - level), lw=0.4, **RECORDED)
@@ -92,7 +92,7 @@ def _step(step, laws, axes):
         panel.yaxis.set_major_locator(MaxNLocator(ticks))
         panel.margins(x=0.0)
     ax.tick_params(labelbottom=False)
-    below.set_xlabel(what, fontsize=6, labelpad=0.5)
+    below.set_xlabel(text, fontsize=6, labelpad=0.5)
 
 
 def _lines(laws):
@@ -147,23 +147,23 @@ def _draw_estimates(laws, symbol, along, ax):
     to_unit, unit = prefixed(QUANTITIES[along].unit, float(np.nanmax(np.abs(x))))
     for i, (law, part) in enumerate(laws.items()):
         fit = part.sel(parameter=symbol)
-        beside = ScaledTranslation(i * MARKER_SHIFT, 0.0, ax.figure.dpi_scale_trans)
+        shift = ScaledTranslation(i * MARKER_SHIFT, 0.0, ax.figure.dpi_scale_trans)
         value = fit[symbol].values
         low, high = np.abs(fit["interval"].isel(level=0).transpose("side", "step").values - value)
         for (kind, up), marker in MARKERS.items():
             at = _is_kind(fit, kind, up) & np.isfinite(value)
             errors = np.where(np.isfinite([low, high]), [low, high], 0.0)[:, at]
             look = {"ms": 3.5, "lw": 0.8, "color": LAWS[law].color}
-            drawn = ax.errorbar(
+            bars = ax.errorbar(
                 to_unit * x[at], factor * value[at], factor * errors, fmt=marker, **look
             )
             # only now, for the limits are those of what is drawn in data coordinates
-            for artist in drawn.get_children():
-                artist.set_transform(artist.get_transform() + beside)
+            for artist in bars.get_children():
+                artist.set_transform(artist.get_transform() + shift)
     if along == "V_after" and np.ptp(x) > 0.0:
         ax.set_xscale("log")
         plain_ticks(ax.xaxis, to_unit * x)
-    what = ABSCISSAE["delta_lp"] if along == "step_delta_lp" else label("V_lp") + " after the step"
-    ax.set_xlabel(in_unit(what, unit))
+    text = ABSCISSAE["delta_lp"] if along == "step_delta_lp" else label("V_lp") + " after the step"
+    ax.set_xlabel(in_unit(text, unit))
     if symbol == "a_minus_b":
         ax.axhline(0.0, color=GRAY, lw=0.6, zorder=0)

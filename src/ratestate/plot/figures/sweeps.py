@@ -43,8 +43,8 @@ def sweep_figure(result, function, dims):
     """Draw the figure of a sweep of a function of `SHOWN` over one or two dimensions."""
     cases, shown = SHOWN[function]
     names = [name for name in shown if set(dims) & set(result[name].dims)] or shown
-    over = " and ".join(label(str(dim)) for dim in dims)
-    title = f"{cases} over {over}, {LAWS[parameter(result, 'law')].name}"
+    dims_text = " and ".join(label(str(dim)) for dim in dims)
+    title = f"{cases} over {dims_text}, {LAWS[parameter(result, 'law')].name}"
     along = max(dims, key=lambda dim: result.sizes[dim])
     across = next((dim for dim in dims if dim != along), None)
     if across is None or result.sizes[across] <= MAX_LINES:
@@ -92,10 +92,10 @@ def _is_outside(result, dims):
 
 def _write_if_empty(ax, values):
     """Whether there is nothing to show, which is then written."""
-    if none := not np.isfinite(values).any():
+    if is_empty := not np.isfinite(values).any():
         at = {"transform": ax.transAxes, "ha": "center", "va": "center"}
         ax.text(0.5, 0.5, "no cycle in any case", **at)
-    return none
+    return is_empty
 
 
 def _lines(ax, result, name, along, across):
@@ -159,14 +159,14 @@ def _mark_critical(ax, speeds, x, result, colors):
 
 def _map(fig, ax, result, name, dims):
     """A variable in colours; gray where a case has no answer, white where it has no cycle."""
-    along, across = (axis_of(result, dim) for dim in reversed(dims))
+    x_axis, y_axis = (axis_of(result, dim) for dim in reversed(dims))
     values = _values(result, name, dims)
     factor, unit = fitting_unit(name, values, contact_area(result))
     values = factor * values
-    along.dress(ax.xaxis)
+    x_axis.dress(ax.xaxis)
     if not _write_if_empty(ax, values):
         style, ticks = _colors(values)
-        colored = ax.pcolormesh(along.edges, across.edges, values, rasterized=True, **style)
+        colored = ax.pcolormesh(x_axis.edges, y_axis.edges, values, rasterized=True, **style)
         text = in_unit(label(name) if name == "V_max" else WORDS[name], unit)
         bar = fig.colorbar(colored, ax=ax, location="top", label=text, ticks=ticks)
         if isinstance(colored.norm, LogNorm):
@@ -174,8 +174,8 @@ def _map(fig, ax, result, name, dims):
     if (failed := _failed(result, dims)).any():
         gray = np.where(failed, 1.0, np.nan)
         style = {"cmap": "gray", "vmin": 0.0, "vmax": 2.0, "rasterized": True}
-        ax.pcolormesh(along.edges, across.edges, gray, **style)
-    ax.set(xlim=sorted(along.edges[[0, -1]]), ylim=sorted(across.edges[[0, -1]]))
+        ax.pcolormesh(x_axis.edges, y_axis.edges, gray, **style)
+    ax.set(xlim=sorted(x_axis.edges[[0, -1]]), ylim=sorted(y_axis.edges[[0, -1]]))
 
 
 def _colors(values):
@@ -184,7 +184,7 @@ def _colors(values):
     if low >= 0.0:
         scale = LogNorm if is_wide(values) else Normalize
         return {"cmap": "viridis", "norm": scale(low, high)}, None
-    most = max(high, -low)
-    ten = 10.0 ** np.floor(np.log10(most))
-    norm = SymLogNorm(1e-3 * ten, vmin=-most, vmax=most)
-    return {"cmap": "RdBu_r", "norm": norm}, [-ten, -0.01 * ten, 0.0, 0.01 * ten, ten]
+    largest = max(high, -low)
+    decade = 10.0 ** np.floor(np.log10(largest))
+    norm = SymLogNorm(1e-3 * decade, vmin=-largest, vmax=largest)
+    return {"cmap": "RdBu_r", "norm": norm}, [-decade, -0.01 * decade, 0.0, 0.01 * decade, decade]

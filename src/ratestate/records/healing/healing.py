@@ -157,9 +157,9 @@ def dataset_of(record, noise, measured, sliders, predicted):
     sliders : law -> `Fitted`
     predicted : law -> list of the results of `predict`
     """
-    holds, none = record.holds, (np.nan, np.nan)
+    holds, missing = record.holds, (np.nan, np.nan)
     t_hold = np.array([hold.duration for hold in holds])
-    columns = {name: np.array([x.values.get(name, none) for x in measured]).T for name in NAMES}
+    columns = {name: np.array([x.values.get(name, missing) for x in measured]).T for name in NAMES}
     quantities = {name: tuple(column) for name, column in columns.items()}
     messages = []
     for hold, result, *others in zip(holds, measured, *predicted.values(), strict=True):

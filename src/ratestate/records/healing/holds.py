@@ -153,8 +153,8 @@ def _drift(friction, slip, holds):
     for hold in holds:
         before, after = hold.before.rows[-LAST:], hold.after.rows[-LAST:]
         if min(before.size, after.size) == LAST and hold.is_at_one_speed:
-            moved = slip[after].mean() - slip[before].mean()
-            slopes.append((friction[after].mean() - friction[before].mean()) / moved)
+            slip_between = slip[after].mean() - slip[before].mean()
+            slopes.append((friction[after].mean() - friction[before].mean()) / slip_between)
     return float(np.median(slopes)) if slopes else 0.0
 
 
@@ -186,8 +186,8 @@ def noise_of_slides(record):
     parts = [parts[i] for i in chosen]
     least = max(rounding(friction), SINGLE * np.abs(friction).max())
     levels = np.array([_noise(record.t, friction, [rows], least).level for rows in parts])
-    most = NOISIER * levels.min()
-    return _noise(record.t, friction, [parts[i] for i in np.flatnonzero(levels <= most)], least)
+    limit = NOISIER * levels.min()
+    return _noise(record.t, friction, [parts[i] for i in np.flatnonzero(levels <= limit)], least)
 
 
 def _noise(t, friction, parts, least):

@@ -109,10 +109,10 @@ def _measured_with_noise(record, hold, noise, levels):
     values |= {"friction_peak": peak, "delta_mu": _difference(peak, level, unsteady)}
     if after is not None:
         values["friction_after"] = after.at(after.end)
-    most = UNKNOWN * abs(values["delta_mu"][0])
-    if level[1] > most:
+    largest = UNKNOWN * abs(values["delta_mu"][0])
+    if level[1] > largest:
         return MeasuredHold(UNSTEADY, {})
-    if math.hypot(level[1], unsteady) > most:
+    if math.hypot(level[1], unsteady) > largest:
         del values["delta_mu"]
         return MeasuredHold(UNSTEADY, values, at)
     return MeasuredHold(EVALUATED, values, at, before, drift_coordinate)
@@ -164,15 +164,15 @@ def _peak(record, hold, noise, low):
     t, slide = record.t, hold.after.rows
     columns = t, t, record.friction
 
-    def passes(size, passed):
+    def passes(size, sizes):
         rows = _about_maximum(record.level, slide, size)
         # (until a window passes, test all orders that are used)
-        order, most = (PEAK_TESTED, SIGNIFICANT) if passed else (PEAK_USED, CERTAIN)
+        order, most = (PEAK_TESTED, SIGNIFICANT) if sizes else (PEAK_USED, CERTAIN)
         return curvature(*columns, rows, order, noise) <= most
 
-    passed = windows_that_pass(FEWEST_OF_PEAK, slide.size, passes, FAILED)
+    sizes = windows_that_pass(FEWEST_OF_PEAK, slide.size, passes, FAILED)
     rows, *smaller = (
-        _about_maximum(record.level, slide, size) for size in passed[:-3:-1] or [FEWEST_OF_PEAK]
+        _about_maximum(record.level, slide, size) for size in sizes[:-3:-1] or [FEWEST_OF_PEAK]
     )
     excess = 0.0 if smaller else curvature(*columns, rows, PEAK_USED, noise)
     local = noise.times(max(math.sqrt(excess / ORDERS), 1.0))  # (enlarged by a misfit)

@@ -54,9 +54,9 @@ def find_runs(t, x):
     scatter, steps = _scatter_of(runs)
     # the noise may be too large because steps in quick succession looked like wandering
     if scatter > max(WANDER_RATIO * steps, MIN_SPEED_RATIO * np.ptp(x)):
-        closer = _steps_and_jumps(RowSums(t, x, longest=SHORT_ROWS))
-        if MIN_IMPROVEMENT * _scatter_of(closer)[0] < scatter:
-            runs = closer
+        short_runs = _steps_and_jumps(RowSums(t, x, longest=SHORT_ROWS))
+        if MIN_IMPROVEMENT * _scatter_of(short_runs)[0] < scatter:
+            runs = short_runs
     runs, holds = _mark_holds(runs)
     runs, ramps = _remove_ramps(runs)
     return runs, holds + ramps + _anomaly_notes(runs)
@@ -92,8 +92,8 @@ def _steps_and_jumps(rows):
             return False
         before, after = run_of(i, j), run_of(k, m)
         t, x, least = rows.t[j:k], rows.x[j:k], JUMP_SIGMAS * rows.noise[j:k] ** 0.5
-        off = np.minimum(abs(x - before.x_at(t, -1)), abs(x - after.x_at(t, 0))) > least
-        return bool(off.sum() <= 1 and abs(before.V - after.V) < least_change(before, after))
+        is_off = np.minimum(abs(x - before.x_at(t, -1)), abs(x - after.x_at(t, 0))) > least
+        return bool(is_off.sum() <= 1 and abs(before.V - after.V) < least_change(before, after))
 
     def changes(at):
         sizes = [change(*three) for three in zip(at, at[1:], at[2:], strict=False)]
@@ -103,7 +103,7 @@ def _steps_and_jumps(rows):
         return sizes
 
     at = drop_weak_cuts(rows, find_cuts(rows), changes, 1.0)
-    first, *runs = [run_of(*two) for two in itertools.pairwise(at)]
+    first, *runs = [run_of(*ends) for ends in itertools.pairwise(at)]
     joined = [first]
     for run, size in zip(runs, changes(at), strict=True):
         if size == np.inf:
@@ -125,10 +125,10 @@ def _mark_holds(runs):
         moves = scatter * float(run.select_rows(run.samples.noise).mean()) ** 0.5
         least = max(HOLD_ERRORS * error, HOLD_SCATTER * moves / duration, MIN_SPEED_RATIO * largest)
         hold = abs(run.V) <= least
-        beside = max((abs(r.V) for r in runs[max(0, m - 1) : m + 2] if r is not run), default=0.0)
-        if hold and least > MAX_BACKWARD * beside > 0.0:
+        fastest = max((abs(r.V) for r in runs[max(0, m - 1) : m + 2] if r is not run), default=0.0)
+        if hold and least > MAX_BACKWARD * fastest > 0.0:
             notes.append(sentences("notes.short_hold", first=run.start, last=run.end, V=least))
-        if not hold and -MAX_BACKWARD * beside <= run.V < 0.0:
+        if not hold and -MAX_BACKWARD * fastest <= run.V < 0.0:
             hold = True
             notes.append(sentences("notes.runs_back", by=-run.V * duration, first=run.start))
         if hold and marked and marked[-1].hold:
@@ -146,8 +146,8 @@ def _remove_ramps(runs):
             span = runs[m - 1 : last + 1]
             changes = np.diff([run.V for run in span])
             ramp = span[-1].start - span[0].end
-            around = min(run.end - run.start for run in (span[0], span[-1]))
-            if ramp < MAX_RAMP * around and ((changes > 0.0).all() or (changes < 0.0).all()):
+            shorter = min(run.end - run.start for run in (span[0], span[-1]))
+            if ramp < MAX_RAMP * shorter and ((changes > 0.0).all() or (changes < 0.0).all()):
                 notes.append(sentences("notes.ramp", ramp=ramp, first=span[0].t[span[0].last]))
                 del runs[m:last]
                 break

@@ -82,17 +82,17 @@ def breakpoints(runs):
         change = run.V - after.V
         gap = after.x_at(middle, 0) - run.x_at(middle, -1)
         meet = middle + gap / change if change else middle
-        near = run.t[run.rows[-1][0]] < meet < run.t[after.rows[0][1] - 1]
+        is_close = run.t[run.rows[-1][0]] < meet < run.t[after.rows[0][1] - 1]
         span = 0.0
         if jump_between(run, after):
-            near, span = False, after.start - run.end
+            is_close, span = False, after.start - run.end
         if is_gap(run, after):
             inside = min(max(meet, run.end), after.start)
             steps = run.t[run.last - 1] - run.t[run.last - 2], run.t[after.first + 1] - after.start
             error = math.sqrt(run.x_variance(run.end, -1) + after.x_variance(after.start, 0))
-            near = abs(meet - inside) <= max(steps) + JUMP_SIGMAS * error / abs(change)
-            meet, span = inside, 0.0 if near else after.start - run.end
-        times.append(float(meet if near else middle))
+            is_close = abs(meet - inside) <= max(steps) + JUMP_SIGMAS * error / abs(change)
+            meet, span = inside, 0.0 if is_close else after.start - run.end
+        times.append(float(meet if is_close else middle))
         spans.append(span)
     return np.array(times), np.array(spans)
 
@@ -105,9 +105,9 @@ def jump_between(before, after):
     samples, row = before.samples, after.first
     if before.last != row or is_gap(before, after):
         return 0.0
-    moved, duration = (float(y[row] - y[row - 1]) for y in (samples.x, samples.t))
+    distance, duration = (float(y[row] - y[row - 1]) for y in (samples.x, samples.t))
     low, high = sorted((before.V * duration, after.V * duration))
-    jump = moved - min(max(moved, low), high)
+    jump = distance - min(max(distance, low), high)
     noise = float(samples.noise[row - 1] + samples.noise[row])
     return jump if abs(jump) > max(JUMP_SIGMAS * math.sqrt(noise), abs(high - low)) else 0.0
 

@@ -93,9 +93,9 @@ class RowSums:
         )
         if not k.size:
             return i, 0.0
-        both = self.misfit(i, k) + self.misfit(k, j)
-        best = int(np.argmin(both))
-        return int(k[best]), float(self.misfit(i, j) - both[best])
+        misfits = self.misfit(i, k) + self.misfit(k, j)
+        best = int(np.argmin(misfits))
+        return int(k[best]), float(self.misfit(i, j) - misfits[best])
 
 
 def gaps_in(t, ratio=GAP_RATIO, rows=GAP_ROWS):
@@ -107,9 +107,9 @@ def gaps_in(t, ratio=GAP_RATIO, rows=GAP_ROWS):
     dt = np.diff(t)
     if dt.size < 3:
         return []
-    beside = np.minimum(np.append(dt[1], dt[:-1]), np.append(dt[1:], dt[-2]))
+    neighbour = np.minimum(np.append(dt[1], dt[:-1]), np.append(dt[1:], dt[-2]))
     gaps = []
-    for i in np.flatnonzero(dt > ratio * beside).tolist():
+    for i in np.flatnonzero(dt > ratio * neighbour).tolist():
         # if the sampling rate changes here, the time step is the usual one on one side
         sides = [dt[max(0, i - rows) : i], dt[i + 1 : i + 1 + rows]]
         if dt[i] > ratio * max(float(np.median(side)) for side in sides if side.size):
@@ -146,10 +146,10 @@ def find_cuts(rows):
         rows.set_candidates(candidates[(candidates >= 0) & (candidates <= places[-1])])
         cuts = _improve_cuts(rows, np.searchsorted(rows.at, places).tolist())
     while len(cuts) > 2:
-        m, fewer, gain = _weakest_cut(rows, cuts)
+        m, remaining, gain = _weakest_cut(rows, cuts)
         if gain > MIN_GAIN:
             break
-        cuts = _improve_cuts(rows, fewer, near=m)
+        cuts = _improve_cuts(rows, remaining, near=m)
     return cuts
 
 
@@ -225,10 +225,10 @@ def sampling_noise(t, y, degree, longest):
         Runs of twice the length are cut in half.  In white noise the median reduction is 1.
         """
         first = np.arange(0, t.size - 2 * length + 1, length)
-        both = first[:, None] + np.arange(2 * length)
+        rows_of_pair = first[:, None] + np.arange(2 * length)
         joint, left, right = (
             _misfits(t[rows], y[rows], 1.0 / noise[rows], degree)
-            for rows in (both, both[:, :length], both[:, length:])
+            for rows in (rows_of_pair, rows_of_pair[:, :length], rows_of_pair[:, length:])
         )
         reductions = (joint - left - right) / CHI2_MEDIANS[degree]
         inside = blocks[first] == blocks[first + 2 * length - 1]
@@ -236,7 +236,7 @@ def sampling_noise(t, y, degree, longest):
 
     shortest, grouped = reductions_by_rate(MIN_RUN_ROWS, np.ones(t.size))
     known = [group.size >= MIN_PAIRS for group in grouped]
-    levels = [np.median(group) for group, enough in zip(grouped, known, strict=True) if enough]
+    levels = [np.median(group) for group, is_known in zip(grouped, known, strict=True) if is_known]
     noisiest = max(levels or [np.median(shortest) if shortest.size else 0.0])
     least = max(MIN_VARIANCE_RATIO * noisiest, ROUNDING * float(y @ y), LEAST_VARIANCE)
     variances = np.full(len(grouped), max(noisiest, least))

@@ -153,13 +153,13 @@ def fitted_slope(t, x, friction, r, *, rested=0.0, x_error=0.0, state_error=0.0)
     white, _ = noise.whiten(t, columns)
     covariance = np.linalg.inv(white.T @ white + np.diag(weights**2))
     # (change of ln k if the assumed a and healing change by their standard deviations)
-    assumed = float(np.hypot(*covariance[1, [2, 4]])) / LOG_ERROR
+    assumed_error = float(np.hypot(*covariance[1, [2, 4]])) / LOG_ERROR
     u, even = np.maximum(x, 0.0) / x[-1], np.linspace(0.0, x[-1], 100)
     with_cubic = np.column_stack([columns[:, columns.any(axis=0)], u**2, u**3])
     return Slope(
         point,
-        independent_error=float(np.sqrt(covariance[1, 1] - assumed**2)),
-        shared_error=float(np.hypot(assumed, state_error)),
+        independent_error=float(np.sqrt(covariance[1, 1] - assumed_error**2)),
+        shared_error=float(np.hypot(assumed_error, state_error)),
         misfit=fall_of_chi2(t, residual, with_cubic, 2, noise),
         r=float(creep(point)[0]),
         straight=float(np.polyfit(even, model(point, even), 1)[0]),
@@ -203,8 +203,8 @@ def _slope_after_change(t, friction, rows, segments, i):
     if last < FEWEST or smooth[extreme] < LEAST * sample_noise(friction[rows]):
         return None
     rows = np.concatenate([before, rows[:last]])
-    moved = segments.displacement(t[rows]) - segments.displacement(start)
-    x = np.where(t[rows] < start, V * (t[rows] - start), moved)
+    distance = segments.displacement(t[rows]) - segments.displacement(start)
+    x = np.where(t[rows] < start, V * (t[rows] - start), distance)
     errors = {"x_error": V * segments.t_error[i], "state_error": STATE_ERROR[kind]}
     slope = fitted_slope(t[rows], x, friction[rows], last_V / V, rested=rested, **errors)
     return slope and slope._replace(kind=kind, start=start, rows=rows)
@@ -216,12 +216,12 @@ def _rows_before(t, segments, i):
     They are the last part of a slide, or the relaxation in a hold, thinned if it has many rows.
     """
     begin, start = segments.t[i - 1 : i + 1]
-    late = np.arange(*np.searchsorted(t, (start - HOLD_PART * (start - begin), start)))
+    final = np.arange(*np.searchsorted(t, (start - HOLD_PART * (start - begin), start)))
     if segments.V[i - 1] == 0.0:
-        early = late[:-MOST_BEFORE]
-        return np.append(early[:: early.size // MOST_EARLY + 1], late[-MOST_BEFORE:])
-    last = int(np.count_nonzero(t[late] >= start - LEVEL_PART * (start - begin)))
-    return late[-min(max(last, FEWEST_BEFORE), MOST_BEFORE) :]
+        before = final[:-MOST_BEFORE]
+        return np.append(before[:: before.size // MOST_EARLY + 1], final[-MOST_BEFORE:])
+    last = int(np.count_nonzero(t[final] >= start - LEVEL_PART * (start - begin)))
+    return final[-min(max(last, FEWEST_BEFORE), MOST_BEFORE) :]
 
 
 def _index_at_level(t, rise, smooth, level):

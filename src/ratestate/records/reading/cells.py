@@ -187,13 +187,13 @@ def parse_rows(lines, layout):
         places = [start + own for start, (_, own) in zip(starts, parts, strict=True)]
         return np.concatenate([values for values, _ in parts]), np.concatenate(places)
     width = layout.width
-    full = [i for i, line in enumerate(lines) if has_content(line)]
-    rows = [drop_empty_end(split_cells(lines[i], layout.delimiter), width) for i in full]
+    filled = [i for i, line in enumerate(lines) if has_content(line)]
+    rows = [drop_empty_end(split_cells(lines[i], layout.delimiter), width) for i in filled]
     rows = [cells if len(cells) <= width else [] for cells in rows]
     values = np.empty((len(rows), width))
     for j, cells in enumerate(itertools.zip_longest(*rows, [""] * width, fillvalue="")):
         values[:, j] = _parse_column(cells[:-1], j, layout)
-    return values, np.array(full, int)
+    return values, np.array(filled, int)
 
 
 def _parse_numbers(lines, layout):

@@ -91,9 +91,9 @@ def open_table(path, delimiters=DELIMITERS, decimal=None):
             return read_isolated(read_hdf5, path, "HDF5")
         if head.startswith(MAT) or PurePath(path.name).suffix.lower() == ".mat":
             return read_isolated(read_mat, path, "a MAT file")
-        for begin, what in OTHER_FORMATS.items():
+        for begin, format_name in OTHER_FORMATS.items():
             if head.startswith(begin):
-                raise sentences.refusal("file.foreign", name=path.name, what=what)
+                raise sentences.refusal("file.foreign", name=path.name, what=format_name)
         return read_text(path, delimiters, decimal)
     except MissingFileError:
         raise

@@ -162,8 +162,8 @@ class Rows:
             raise sentences.refusal(
                 "rows.backwards", rows=self.list_rows(backwards), first=first, next=next_
             )
-        usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
-        repeated = np.append(False, steps <= REPEATED_TIME * usual)
+        typical = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+        repeated = np.append(False, steps <= REPEATED_TIME * typical)
         self.leave_out(repeated, "because the time is repeated", lambda i: f"{t[i]:.10g} s")
         if 10 * repeated.sum() > t.size:
             self.warnings[-1] += " (the times have too few digits)"

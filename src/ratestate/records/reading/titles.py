@@ -67,17 +67,18 @@ def name_and_units(title, unit=""):
 
     unit : unit apart from the title, in a row of units or an attribute
     """
-    name, own = split_title(title)
-    in_words = any(pattern.search(spaced(own)) for pattern in WORDS.values())
-    known = is_unit(own) or any(has_unit(symbol, plain_unit(own)) for symbol in EXAMPLE_UNIT)
-    if own and (unit or in_words) and not known:
+    name, unit_text = split_title(title)
+    in_words = any(pattern.search(spaced(unit_text)) for pattern in WORDS.values())
+    plain = plain_unit(unit_text)
+    known = is_unit(unit_text) or any(has_unit(symbol, plain) for symbol in EXAMPLE_UNIT)
+    if unit_text and (unit or in_words) and not known:
         return title, unit, ""
-    within, inner = split_title(name)
+    name_in_title, inner = split_title(name)
     if not is_unit(inner):
-        within, inner = name, ""
-    first, *others = [text for text in (unit, own, inner) if text] or [""]
+        name_in_title, inner = name, ""
+    first, *others = [text for text in (unit, unit_text, inner) if text] or [""]
     other = next((text for text in others if plain_unit(text) != plain_unit(first)), "")
-    return within, first, other
+    return name_in_title, first, other
 
 
 def is_recognized(title):
@@ -133,11 +134,11 @@ def match_rank(name, symbol):
 
     Names with a rank of `CERTAIN` or more may mean something else.
     """
-    of, words = TABLE["quantities"][symbol], spaced(name)
-    if WORDS["statistic"].search(words) or (of.get("moves") and WORDS["elsewhere"].search(words)):
+    row, words = TABLE["quantities"][symbol], spaced(name)
+    if WORDS["statistic"].search(words) or (row.get("moves") and WORDS["elsewhere"].search(words)):
         return None
     commanded = WORDS["setpoint"].search(words)
-    if commanded and not of.get("commanded"):
+    if commanded and not row.get("commanded"):
         return None
     doubtful = commanded or WORDS["raw"].search(words)
     for word in ("setpoint", "raw", "variant"):

@@ -43,11 +43,11 @@ def middles(t, y, peaks, troughs, high, low, level_error, noise):
     """
     crossings = np.full((2, peaks.size), math.nan)
     for i in np.flatnonzero(np.isfinite(high + low)):
-        level, near = 0.5 * (high[i] + low[i]), FITTED_PART * (high[i] - low[i])
+        level, margin = 0.5 * (high[i] + low[i]), FITTED_PART * (high[i] - low[i])
         fall = y[peaks[i] : troughs[i] + 1]
-        above = np.flatnonzero(fall > level + near)
+        above = np.flatnonzero(fall > level + margin)
         first = int(above[-1]) + 1 if above.size else 0
-        below = np.flatnonzero(fall[first:] < level - near)
+        below = np.flatnonzero(fall[first:] < level - margin)
         last = first + int(below[0]) if below.size else fall.size - 1
         crossing = _on_cubic if last - first >= FEWEST else _between_samples
         rows = np.arange(peaks[i] + first, peaks[i] + last + 1)
@@ -67,8 +67,8 @@ def _between_samples(t, y, rows, level, level_error, noise):
     step, fall = t[i] - t[i - 1], y[i - 1] - y[i]
     if not fall > 0.0:
         return 0.5 * (t[i - 1] + t[i]), step * UNIFORM_SD
-    x, around = t[i - 2 : i + 2], y[i - 2 : i + 2]
-    second = np.diff(np.diff(around) / np.diff(x)) * 2.0 / (x[2:] - x[:-2]) * step**2
+    x, samples = t[i - 2 : i + 2], y[i - 2 : i + 2]
+    second = np.diff(np.diff(samples) / np.diff(x)) * 2.0 / (x[2:] - x[:-2]) * step**2
     bends = np.clip(second / fall, -1.0, 1.0)
     bend_error = math.hypot(bends.mean() / 8.0, (0.5 * (bends[1] - bends[0])) ** 2 * UNIFORM_SD)
     noise_error = min(math.hypot(noise.sd, level_error) / fall, 1.0)
@@ -135,11 +135,11 @@ def _bound(t, y, middle, direction):
 def _crossing(t, y, i, direction):
     """Return the value at which the lines on both sides of a step meet, or a bound of it."""
     j = i + direction
-    near = (y[i] - y[i - direction]) / (t[i] - t[i - direction])
-    far = (y[j + direction] - y[j]) / (t[j + direction] - t[j])
-    start = y[j] + far * (t[i] - t[j])  # the far line at sample i
-    until = (start - y[i]) / (near - far) if near != far else math.inf
-    return y[i] + near * until if 0.0 <= until / (t[j] - t[i]) <= 1.0 else max(start, y[j])
+    near_slope = (y[i] - y[i - direction]) / (t[i] - t[i - direction])
+    far_slope = (y[j + direction] - y[j]) / (t[j + direction] - t[j])
+    start = y[j] + far_slope * (t[i] - t[j])  # the far line at sample i
+    delay = (start - y[i]) / (near_slope - far_slope) if near_slope != far_slope else math.inf
+    return y[i] + near_slope * delay if 0.0 <= delay / (t[j] - t[i]) <= 1.0 else max(start, y[j])
 
 
 def has_several(y, span, noise):
@@ -161,8 +161,8 @@ def has_several(y, span, noise):
         after = np.maximum.accumulate(fall[::-1])[::-1][2 * lag :]
         slack = np.minimum(before, after) - fall[lag:-lag]
         sd = noise.sd * math.sqrt(2.0 * min(noise.inflation / lag, 1.0))
-        many = fall.size * min(OVERLAP / lag, 1.0)
-        noise_limit = (2.0 * math.sqrt(2.0 * math.log(many)) + MARGIN) * sd
+        count = fall.size * min(OVERLAP / lag, 1.0)
+        noise_limit = (2.0 * math.sqrt(2.0 * math.log(count)) + MARGIN) * sd
         if slack.max() > max(noise_limit, OF_DROP * (y[peak] - y[trough])):
             return True
     return False

@@ -99,8 +99,8 @@ def without_outliers(y, noise):
         parts = np.lib.stride_tricks.sliding_window_view(padded, length + 2 * SIDE)
         sides, inside = np.delete(parts, np.s_[SIDE:-SIDE], axis=1), parts[:, SIDE:-SIDE]
         low, high = sides.min(axis=1), sides.max(axis=1)
-        out = np.maximum(inside.min(axis=1) - high, low - inside.max(axis=1))
-        for i in np.flatnonzero((out > MIN_OUTLIER * noise) & (out > high - low)):
+        excess = np.maximum(inside.min(axis=1) - high, low - inside.max(axis=1))
+        for i in np.flatnonzero((excess > MIN_OUTLIER * noise) & (excess > high - low)):
             y[i : i + length] = np.linspace(padded[i + 1], padded[i + 2 + length], length + 2)[1:-1]
     return y
 
@@ -153,17 +153,17 @@ def turning_points(y, threshold):
     return turns
 
 
-def without_rebounds(y, moved, falls):
+def without_rebounds(y, displacement, falls):
     """Merge falls (m, 2) between which the stress only swings back.
 
     A rise is a rebound if it is steeper than the spring can load the block elsewhere in the record.
 
     moved : (n,) displacement of the load point [m]
     """
-    rises, way = (x[falls[1:, 0]] - x[falls[:-1, 1]] for x in (y, moved))
-    if rises.size < 2 or not (way > 0.0).all():
+    rises, distances = (x[falls[1:, 0]] - x[falls[:-1, 1]] for x in (y, displacement))
+    if rises.size < 2 or not (distances > 0.0).all():
         return falls
-    stiffness, order = rises / way, np.argsort(rises / way)
+    stiffness, order = rises / distances, np.argsort(rises / distances)
     middle = np.searchsorted(np.cumsum(rises[order]), 0.5 * rises.sum())
     is_steep = stiffness > STEEP * stiffness[order][middle]
     kept = [falls[0]]

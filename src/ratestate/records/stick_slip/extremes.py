@@ -84,10 +84,10 @@ def chosen_window(t, y, middles, windows, k, sign, noise):
     The error is multiplied by a power of the contradiction.  The result is None if no window has
     enough samples.
     """
-    some = middles[:: math.ceil(middles.size / MAX_EVENTS)]
+    sample = middles[:: math.ceil(middles.size / MAX_EVENTS)]
     choices: list[tuple[float, FallWindow]] = []
     for window in windows:
-        result = extremes(t, y, some, window, k, sign, noise)
+        result = extremes(t, y, sample, window, k, sign, noise)
         if np.isfinite(result.value).mean() >= MIN_SHARE:
             error = math.sqrt(float(np.nanmean(result.error**2)))
             choices.append((error * max(result.contradiction, 1.0) ** PENALTY_POWER, window))
@@ -100,11 +100,11 @@ def extremes(t, y, middles, window, k, sign, noise):
     sign : 1 for maxima, -1 for minima
     """
     table = np.full((5, len(middles)), math.nan)
-    firsts, lasts = np.searchsorted(t, middles + np.array([[window.start], [window.end]]))
-    use = np.flatnonzero(lasts - firsts >= k + EXTRA_DEGREES + 4)
+    starts, stops = np.searchsorted(t, middles + np.array([[window.start], [window.end]]))
+    use = np.flatnonzero(stops - starts >= k + EXTRA_DEGREES + 4)
     if not use.size:
         return Extremes._make((*table, math.inf))
-    span = firsts[use], lasts[use], np.searchsorted(t, middles[use])
+    span = starts[use], stops[use], np.searchsorted(t, middles[use])
     extent = window.end - window.start
     scales = middles[use] + 0.5 * (window.start + window.end), extent, y[span[0]]
     (c, C), high, excess = _fits(t, y, span, scales, k, noise)
@@ -114,7 +114,7 @@ def extremes(t, y, middles, window, k, sign, noise):
         u, u_error, bounded = edges((t, y), span, scales, c, window.fall, sign, noise.sd)
     else:
         u, u_error = vertices
-    (value, variance), (difference, more) = _compared((c, C), high, u, k)
+    (value, variance), (difference, difference_variance) = _compared((c, C), high, u, k)
     _, (turn, turn_variance) = _compared((c, C), high, u, k + 1)
     time = scales[0] + extent * u
     if vertices is None:  # the place is uncertain where the curve differs by less than its error
@@ -133,8 +133,8 @@ def extremes(t, y, middles, window, k, sign, noise):
     error = np.sqrt(variance) / extent**k
     table[:, use] = time, value, error, extent * u_error, difference / extent**k
     parts = [np.where(bounded, excess, UNBOUNDED).sum() / ROUGH / math.sqrt(use.size)]
-    for off, off_variance in ((difference, more), (turn, turn_variance)):
-        parts.append(abs(off.sum()) / MAX_DIFFERENCE / math.sqrt(max(off_variance.sum(), TINY)))
+    for part, part_variance in ((difference, difference_variance), (turn, turn_variance)):
+        parts.append(abs(part.sum()) / MAX_DIFFERENCE / math.sqrt(max(part_variance.sum(), TINY)))
     return Extremes._make((*table, float(max(parts))))
 
 
@@ -143,8 +143,8 @@ def _compared(low, high, u, k):
     (c, C), (c_high, C_high) = low, high
     row, n = _derivatives(u, c_high.shape[1], k), c.shape[1]
     value, variance = (row * c_high).sum(axis=1), _quadratic(row, C_high)
-    lower, less = (row[:, :n] * c).sum(axis=1), _quadratic(row[:, :n], C)
-    return (value, variance), (value - lower, np.maximum(variance - less, 0.0))
+    lower, lower_variance = (row[:, :n] * c).sum(axis=1), _quadratic(row[:, :n], C)
+    return (value, variance), (value - lower, np.maximum(variance - lower_variance, 0.0))
 
 
 def _fits(t, y, span, scales, k, noise):
@@ -167,14 +167,14 @@ def _fits(t, y, span, scales, k, noise):
     size = k + EXTRA_DEGREES + 3
     q, r = np.linalg.qr(u[..., None] ** np.arange(size) * inside[..., None])
     projected = np.einsum("mni,mn->mi", q, values)
-    both = []
+    fits = []
     for n in (size - EXTRA_DEGREES, size):
         inverse = np.linalg.inv(r[:, :n, :n])
         c = np.einsum("mij,mj->mi", inverse, projected[:, :n])
-        both.append((c, variance * (inverse @ inverse.transpose(0, 2, 1))))
+        fits.append((c, variance * (inverse @ inverse.transpose(0, 2, 1))))
     rest = (values - np.einsum("mni,mi->mn", q, projected)) * inside
     degrees = np.maximum(sizes - size, 1)
-    return *both, ((rest**2).sum(axis=1) / variance - degrees) / np.sqrt(2.0 * degrees)
+    return *fits, ((rest**2).sum(axis=1) / variance - degrees) / np.sqrt(2.0 * degrees)
 
 
 def _vertices(c, C, k, sign, ends, fall):
@@ -196,13 +196,13 @@ def _vertices(c, C, k, sign, ends, fall):
 
     bounds = np.array([[ends[0].min()], [ends[1].max()]])
     mean = c.mean(axis=0, keepdims=True), C.mean(axis=0, keepdims=True) / len(c)
-    (place,), (mean_error,), (is_known,) = vertex(*mean, bounds)
+    (mean_u,), (mean_error,), (is_known,) = vertex(*mean, bounds)
     if not is_known:
         return None
     u, errors, known = vertex(c, C, ends)
     known &= known.mean() > 0.5
     spread = float(np.std(u[known])) if known.any() else 0.0
-    return np.where(known, u, place), np.where(known, errors, math.hypot(mean_error, spread))
+    return np.where(known, u, mean_u), np.where(known, errors, math.hypot(mean_error, spread))
 
 
 def edges(samples, span, scales, c, fall, sign, sd):
@@ -230,18 +230,18 @@ def edges(samples, span, scales, c, fall, sign, sd):
     rows = np.clip(rows, 0, t.size - 1)
     u = (t[rows] - centre[:, None]) / extent
     curve = (u[..., None] ** np.arange(c.shape[1]) * c[:, None]).sum(-1)
-    off = np.where(inside & (index > 0), y[rows] - level[:, None] - curve, 0.0)
+    residuals = np.where(inside & (index > 0), y[rows] - level[:, None] - curve, 0.0)
 
-    def first_departures(off, sd):
+    def first_departures(residuals, sd):
         """Return after how many samples the curve is left (0: not nearby), and clearly left."""
-        near = (off > MIN_DEPARTURE * sd) & inside & (index <= SAMPLES_AFTER)
+        near = (residuals > MIN_DEPARTURE * sd) & inside & (index <= SAMPLES_AFTER)
         left = near.argmax(axis=1)  # (0 if there is none)
-        far = (off > 4.0 * MIN_DEPARTURE * sd) & inside & (index >= left[:, None])
+        far = (residuals > 4.0 * MIN_DEPARTURE * sd) & inside & (index >= left[:, None])
         return left, np.where(far.any(axis=1), far.argmax(axis=1), inside.sum(axis=1) - 1)
 
     count = np.maximum(inside.sum(axis=0), 1)
-    single = first_departures(np.abs(off), sd)
-    shared = first_departures(np.abs(off.sum(axis=0) / count), sd / np.sqrt(count))
+    single = first_departures(np.abs(residuals), sd)
+    shared = first_departures(np.abs(residuals.sum(axis=0) / count), sd / np.sqrt(count))
     left, far = (np.where(single[0] > 0, a, b) for a, b in zip(single, shared, strict=True))
     bounded = left > 0
     step = np.abs(u[event, left] - u[event, np.maximum(left - 1, 0)])

@@ -106,11 +106,11 @@ def _groups(series, spans, rows, noise):
     groups = []
     for number in range(speed.max() + 1):
         at = np.flatnonzero(speed == number)
-        off = np.abs(drop[at] - np.median(drop[at]))
-        near = off <= math.hypot(SIMILARITY * np.median(drop[at]), BY_NOISE * noise.sd)
-        near &= loading[at] > MIN_LOADING * np.median(loading[at])
-        groups += [rows[at[near]]] if near.any() else []
-        groups += [rows[[i]] for i in at[~near]]
+        distance = np.abs(drop[at] - np.median(drop[at]))
+        is_similar = distance <= math.hypot(SIMILARITY * np.median(drop[at]), BY_NOISE * noise.sd)
+        is_similar &= loading[at] > MIN_LOADING * np.median(loading[at])
+        groups += [rows[at[is_similar]]] if is_similar.any() else []
+        groups += [rows[[i]] for i in at[~is_similar]]
     return groups
 
 
@@ -122,8 +122,8 @@ def _in_record(series, spans, noise):
     width = math.ceil((CLEAR_DROP * noise.sd / (FITTED_PART * drop)) ** 2 * noise.inflation)
     width = min(width, max(int(np.min(troughs - peaks)) // 2, 1))
     means = uniform_filter1d(y, width) if width > 1 else y
-    nothing = np.zeros(peaks.size)
-    middle, _ = middles(t, means, peaks, troughs, means[peaks], means[troughs], nothing, noise)
+    zeros = np.zeros(peaks.size)
+    middle, _ = middles(t, means, peaks, troughs, means[peaks], means[troughs], zeros, noise)
     sides = []
     for sign, samples, edge in ((1, peaks, begins), (-1, troughs, ends)):
         loading = float(np.median(sign * (t[samples] - t[edge])))
@@ -137,9 +137,9 @@ def _in_record(series, spans, noise):
         peaks, troughs = np.maximum(peaks, first - width), np.minimum(troughs, last + width)
     level_error = 0.5 * np.hypot(high_error, low_error)
     middle, error = middles(t, y, peaks, troughs, high, low, level_error, noise)
-    slope, slope_error, few = _slopes(t, y, middle, peaks, troughs, noise)
+    *slopes, sparse = _slopes(t, y, middle, peaks, troughs, noise)
     error, samples = np.hypot(error, series.t_resolution), np.maximum(last - first, 0)
-    return np.column_stack([*sides[0], *sides[1], middle, error, slope, slope_error, samples, few])
+    return np.column_stack([*sides[0], *sides[1], middle, error, *slopes, samples, sparse])
 
 
 def _stress_extremes(t, y, middle, at, sign, loading, noise):
@@ -164,13 +164,13 @@ def _stress_extremes(t, y, middle, at, sign, loading, noise):
 def _windows(offset, loading, spacing, sign):
     """Generate `FallWindow`s for an extreme at this time after a fall's middle (peaks: < 0)."""
     reach, least = abs(offset), min(LEAST * spacing, OF_LOADING * loading)
-    nears = [part * reach for part in FALL]
-    nears += [j * spacing for j in NEAREST if j * spacing <= reach + spacing]
-    nears = sorted({max(near, least) for near in nears})
-    for extent, near in itertools.product(LOADING * loading, nears):
-        far = max(reach + extent, near + SHORTEST * spacing)
-        if far < reach + loading:  # (the next fall lies beyond)
-            yield FallWindow(-far, -near, 1) if sign > 0 else FallWindow(near, far, -1)
+    distances = [part * reach for part in FALL]
+    distances += [j * spacing for j in NEAREST if j * spacing <= reach + spacing]
+    distances = sorted({max(start, least) for start in distances})
+    for extent, start in itertools.product(LOADING * loading, distances):
+        end = max(reach + extent, start + SHORTEST * spacing)
+        if end < reach + loading:  # (the next fall lies beyond)
+            yield FallWindow(-end, -start, 1) if sign > 0 else FallWindow(start, end, -1)
 
 
 def _slopes(t, y, middle, peaks, troughs, noise):
@@ -179,8 +179,8 @@ def _slopes(t, y, middle, peaks, troughs, noise):
     fall = max(float(np.median(t[troughs] - t[peaks])), spacing)
     halves = [_middle_half(t, y, i, j) for i, j in zip(peaks, troughs, strict=True)]
     times, means, widths = np.array(halves).T
-    time, few, window = float(np.median(times - middle)), widths < SPARSE * spacing, None
-    for _ in range(ROUNDS if not few.all() else 0):
+    time, sparse, window = float(np.median(times - middle)), widths < SPARSE * spacing, None
+    for _ in range(ROUNDS if not sparse.all() else 0):
         extents = np.unique(np.clip(STEEP * float(np.median(widths)), 3.5 * spacing, fall))
         pairs = itertools.product(extents, extents)
         windows = [FallWindow(time - a, time + b, 0) for a, b in pairs]
@@ -191,8 +191,8 @@ def _slopes(t, y, middle, peaks, troughs, noise):
         time = float(np.nanmedian(result.time - middle))
     if window is None:
         return means, np.full(means.size, math.nan), np.ones(means.size, bool)
-    slope = np.where(few, means, -result.value)
-    return slope, np.where(few, math.nan, result.biased_error), few | ~np.isfinite(slope)
+    slope = np.where(sparse, means, -result.value)
+    return slope, np.where(sparse, math.nan, result.biased_error), sparse | ~np.isfinite(slope)
 
 
 def _middle_half(t, y, peak, trough):
@@ -234,9 +234,9 @@ def _in_run(series, rate, peak, trough):
         if c[2] < 0.0:
             V_max = max(V_max, math.exp(c[0] - 0.25 * c[1] ** 2 / c[2]))
     slope, slope_error = K * (V_max - series.V_lp[i]), K * abs(V_max - series.V[i]) / 4.0
-    few = trough - peak < SPARSE_RUN or slope_error > ROUGH * abs(slope)
-    few |= math.hypot(high[1], low[1]) > COARSE * (high[0] - low[0])
-    return [*high, *low, middle, error, slope, slope_error, trough - peak, few]
+    sparse = trough - peak < SPARSE_RUN or slope_error > ROUGH * abs(slope)
+    sparse |= math.hypot(high[1], low[1]) > COARSE * (high[0] - low[0])
+    return [*high, *low, middle, error, slope, slope_error, trough - peak, sparse]
 
 
 def _extreme(series, rate, i, sign, drop):
@@ -259,8 +259,8 @@ def _extreme(series, rate, i, sign, drop):
     (value, time), (other, other_time) = estimates
     error, time_error = abs(value - other), abs(time - other_time)
     if abs(value) > MAX_DISTANCE * drop:
-        around = slice(max(i - 1, 0), i + 2)
-        time, time_error = 0.0, 0.5 * float(np.diff(t[around]).max())
-        error = np.abs(rate[around]).min() * time_error
+        neighbours = slice(max(i - 1, 0), i + 2)
+        time, time_error = 0.0, 0.5 * float(np.diff(t[neighbours]).max())
+        error = np.abs(rate[neighbours]).min() * time_error
         value = sign * error
     return tau[i] + value, math.hypot(error, series.resolution), t[i] + time, time_error

@@ -78,10 +78,10 @@ def loading_stiffness(series, rises, falls, noise):
     if falling > SMOOTH:
         return Stiffness(math.nan, math.nan, "smooth", falling=falling)
     errors = np.maximum(errors, TINY**0.5)
-    off = np.abs(slopes - np.median(slopes))
-    near = off <= MAX_DEVIATION * np.hypot(1.4826 * np.median(off), errors)
-    phases = int(near.sum())
-    mean, error, chi2 = weighted_mean(np.array(slopes)[near], errors[near])
+    distance = np.abs(slopes - np.median(slopes))
+    is_used = distance <= MAX_DEVIATION * np.hypot(1.4826 * np.median(distance), errors)
+    phases = int(is_used.sum())
+    mean, error, chi2 = weighted_mean(np.array(slopes)[is_used], errors[is_used])
     error *= math.sqrt(max(chi2 / max(phases - 1, 1), 1.0))
     error = math.hypot(error, max(float(np.median(decreases)), 0.0))
     return Stiffness(mean, error, "loading", phases)
@@ -153,12 +153,12 @@ def _shared_variance(residuals, groups):
     """
     counts = np.bincount(groups)
     means = pandas.Series(residuals).groupby(groups).transform("mean").values
-    size, total, inner = residuals.size, float(residuals @ residuals), residuals - means
+    size, total, deviations = residuals.size, float(residuals @ residuals), residuals - means
     degrees = size - counts.size
     if degrees < 1:
         within = total / max(size - 2, 1)
     else:
-        within = max(float(inner @ inner) / degrees, 1e-12 * total / size)
+        within = max(float(deviations @ deviations) / degrees, 1e-12 * total / size)
     between = float(means @ means) / max(counts.size - 2, 1)
     typical_count = (size - float(counts @ counts) / size) / max(counts.size - 1, 1)
     return max(between / max(within, TINY) - 1.0, 0.0) / typical_count

@@ -85,7 +85,7 @@ def _series_of_run(run, given):
     else:
         sigma = np.full(t.size, given["sigma"] or one_in_si("sigma", parameter(run, "sigma")))
     spring = slider["K"] * (delta_lp - column(run, "delta"))
-    allowed = MAX_DIFFERENCE * np.abs(tau).max() + 1e-15 * slider["K"] * np.abs(delta_lp).max()
+    limit = MAX_DIFFERENCE * np.abs(tau).max() + 1e-15 * slider["K"] * np.abs(delta_lp).max()
     return Series(
         t,
         tau,
@@ -95,7 +95,7 @@ def _series_of_run(run, given):
         K=K,
         K_source="run" if given["K"] is None else "given",
         M=slider["M"] if given["M"] is None else given["M"],
-        V=column(run, "V") if np.abs(tau - spring).max() <= allowed else None,
+        V=column(run, "V") if np.abs(tau - spring).max() <= limit else None,
     )
 
 
