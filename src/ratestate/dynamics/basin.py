@@ -223,11 +223,11 @@ def _search(system, kind, largest, progress):
         loosest = ORBIT_RTOL * np.clip(trial.ravel(), 1e-5, 1.0)
         attractors = find_attractors(part, start, RTOL, progress, loosest)
         leaves = (attractors.status != STEADY_SLIDING).reshape(-1, m)
-        first, some = leaves.argmax(axis=1), leaves.any(axis=1)
-        row, inside = np.arange(len(rows)), np.where(some, first, m) - 1
+        first, has_left = leaves.argmax(axis=1), leaves.any(axis=1)
+        row, inside = np.arange(len(rows)), np.where(has_left, first, m) - 1
         low[rows] = np.where(inside < 0, low[rows], trial[row, inside])
-        at, cell = rows[some], row[some] * m + first[some]
-        high[at], status[at] = trial[some, first[some]], attractors.status[cell]
+        at, cell = rows[has_left], row[has_left] * m + first[has_left]
+        high[at], status[at] = trial[has_left, first[has_left]], attractors.status[cell]
         u[at] = attractors.u[cell]
         rows = np.flatnonzero(np.isfinite(high) & (high - low > ACCURACY * high))
         gap = high[rows] - low[rows]
@@ -270,9 +270,9 @@ def _largest_steps(system, columns):
     lower, upper = V_c(system.friction_law, **{name: columns[name] for name in names})
     V_lp, farthest = columns["V_lp"], SIZES[-1]
     with np.errstate(divide="ignore"):  # V_c may be 0 or inf
-        up = np.where(V_lp > upper, np.log(V_lp / upper), np.inf)
-        down = np.where(V_lp < lower, np.log(lower / V_lp), np.inf)
-    return np.minimum([up, down], farthest)
+        upwards = np.where(V_lp > upper, np.log(V_lp / upper), np.inf)
+        downwards = np.where(V_lp < lower, np.log(lower / V_lp), np.inf)
+    return np.minimum([upwards, downwards], farthest)
 
 
 def _unknown_points(system):

@@ -211,15 +211,15 @@ def handle(run, l):
 # The period of a run
 
 
-def close_cycle(run, l, since, x_high):
-    """Record the cycle that ends at an upward crossing, at the time s[T] + since."""
+def close_cycle(run, l, t_low, x_high):
+    """Record the cycle that ends at an upward crossing, at the time s[T] + t_low."""
     s, shape = run.s, run.shape
     if s[R.CROSS_T_LOW + l] < math.inf:
         at = (int(s[R.CYCLES + l]) % R.RING) * R.LANES + int(s[R.RING_COLUMN + l])
         s[shape.highs + at], s[shape.lows + at] = x_high, s[R.X_LOW + l]
-        s[shape.durations + at] = (s[R.T + l] - s[R.CROSS_T + l]) + (since - s[R.CROSS_T_LOW + l])
+        s[shape.durations + at] = (s[R.T + l] - s[R.CROSS_T + l]) + (t_low - s[R.CROSS_T_LOW + l])
         s[R.CYCLES + l] += 1.0
-    s[R.CROSS_T + l], s[R.CROSS_T_LOW + l] = s[R.T + l], since
+    s[R.CROSS_T + l], s[R.CROSS_T_LOW + l] = s[R.T + l], t_low
 
 
 def max_change(s, home, shape, first, end, p):

@@ -12,10 +12,10 @@ LAWS = {law.name: law for law in BUILT_IN}
 LAW_NAMES = {name: law.name for law in LAWS.values() for name in (law.name, *law.synonyms)}
 
 
-def add(law, own):
-    """Add a law; `own`, its name without the hash, and its synonyms then select it."""
+def add(law, base_name):
+    """Add a law; `base_name`, its name without the hash, and its synonyms then select it."""
     LAWS[law.name] = law
-    LAW_NAMES.update(dict.fromkeys((law.name, own, *law.synonyms), law.name))
+    LAW_NAMES.update(dict.fromkeys((law.name, base_name, *law.synonyms), law.name))
 
 
 def one_length_laws():

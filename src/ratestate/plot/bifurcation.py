@@ -110,9 +110,9 @@ def _diagram(data, ax, factor, unit, color=BLUE, label="cycle", area=None):
     if "outside_domain" in data:
         mark_outside(ax, x, amplitude, (data.outside_domain.values > 0) & (amplitude > 0.0))
     for kind, (name, marker, face) in MARKS.items():
-        if (here := special == kind).any():
+        if (rows := special == kind).any():
             style = {"mfc": face, "mec": "k", "mew": 0.8, "ms": 4.5, "zorder": 5}
-            ax.plot(x[here], amplitude[here], marker, ls="", label=_new_label(ax, name), **style)
+            ax.plot(x[rows], amplitude[rows], marker, ls="", label=_new_label(ax, name), **style)
     _abscissa(ax, x, name_and_symbol(symbol, area), unit)
     ax.set_ylabel(AMPLITUDE)
     ax.legend()

@@ -192,11 +192,11 @@ def _features(laws: Laws) -> Blocks:
     rows = []
     for segment in range(first.sizes["segment"]):
         for feature in first["feature"].values.tolist():
-            parts = [one.isel(segment=segment).sel(feature=feature) for one in laws.values()]
+            parts = [fit.isel(segment=segment).sel(feature=feature) for fit in laws.values()]
             speed = readable("V_lp", float(parts[0]["segment_V"]))
             measured = with_error(float(parts[0]["measured"]), float(parts[0]["measured_error"]))
             shown = measured if bool(parts[0]["used"]) else "not resolved"
-            fitted = [f"{float(one['fitted']):.5g}" for one in parts]
+            fitted = [f"{float(fit['fitted']):.5g}" for fit in parts]
             rows.append([speed, feature, shown, *fitted])
     heads = [left("load point"), left("feature"), Heading("measured")]
     texts = [
@@ -231,9 +231,9 @@ def _kinds_of_intervals(laws: Laws) -> list[str]:
             symbols.setdefault(kind, []).append(name_of(symbol, {law: part}))
         symbols.pop("covariance", None)
         texts += [
-            f"{law} law: the intervals of {', '.join(some)} are from the {kind}, and +- is half "
+            f"{law} law: the intervals of {', '.join(listed)} are from the {kind}, and +- is half "
             "the 68 % interval."
-            for kind, some in symbols.items()
+            for kind, listed in symbols.items()
         ]
     return texts
 

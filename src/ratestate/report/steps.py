@@ -109,7 +109,7 @@ def _head(parts, symbol):
     typical = max(float(np.median(size)) for size in known if size.size)
     factor, unit = scale_of(symbol, typical, in_thousandths=True)
     is_rate = symbol == "a_minus_b"
-    name = rate_dependence_text([law_of(one) for one in parts.values()]) if is_rate else symbol
+    name = rate_dependence_text([law_of(fit) for fit in parts.values()]) if is_rate else symbol
     return f"{name} [{unit}]" if unit else name, factor
 
 

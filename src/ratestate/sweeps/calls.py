@@ -181,23 +181,23 @@ def origin(device):
     }
 
 
-def origin_differences(stored, now):
+def origin_differences(stored, current):
     """Return the differences of two origins that may change last digits, as a list of lines.
 
     Another version of ratestate alone does not count: its kernels have a digest of their own.
     """
-    lines = differences(stored["versions"], now["versions"], "version of ")
+    lines = differences(stored["versions"], current["versions"], "version of ")
     if len(lines) == 1 and lines[0].startswith("version of ratestate:"):
         lines = []
-    return lines + differences(stored["processor"], now["processor"], "processor, ")
+    return lines + differences(stored["processor"], current["processor"], "processor, ")
 
 
-def differences(stored, now, label=""):
+def differences(stored, current, label=""):
     """Return the differences between two dicts of texts, as a list of lines."""
-    changed = {name for name in {*stored, *now} if stored.get(name) != now.get(name)}
+    changed = {name for name in {*stored, *current} if stored.get(name) != current.get(name)}
     # (the coordinate of an axis differs whenever the axis does)
     changed -= {f"coordinate {name}" for name in changed}
     return [
-        f"{label}{name}: {stored.get(name, 'none')} in the store, {now.get(name, 'none')} now"
+        f"{label}{name}: {stored.get(name, 'none')} in the store, {current.get(name, 'none')} now"
         for name in sorted(changed)
     ]

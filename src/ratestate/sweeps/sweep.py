@@ -256,10 +256,10 @@ def _prepare(store, request):
     StoreError if what computes would give other last digits or variables than the store has, or if
     files made with the store are damaged.
     """
-    now = request.record(store.chunks)
+    current = request.record(store.chunks)
     with reading(store.path):
-        lines = origin_differences(store.record, now)
-        lines += differences(store.record["variables"], now["variables"], "variable ")
+        lines = origin_differences(store.record, current)
+        lines += differences(store.record["variables"], current["variables"], "variable ")
         if lines:
             raise StoreError(sentence("origin.refused", path=store.path, lines=as_lines(lines)))
         done, flaws = store.done(), store.flaws()

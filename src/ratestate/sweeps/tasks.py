@@ -99,8 +99,8 @@ def call_on_worker(expected, device, function, *arguments):
 
     StoreError unless the process has the expected origin.  If that lacks a processor, any will do.
     """
-    now = origin(device)
-    if lines := origin_differences({"processor": now["processor"]} | expected, now):
+    current = origin(device)
+    if lines := origin_differences({"processor": current["processor"]} | expected, current):
         raise StoreError(sentence("origin.worker", lines=as_lines(lines)))
     with backend.use(threads=1, device=device):
         return function(*arguments)

@@ -195,7 +195,7 @@ class _Points(NamedTuple):
     u: np.ndarray  # (n, k) psi and G at the stress maximum
     parameter: np.ndarray  # (n,) [SI]
     tol: np.ndarray  # (n,) tolerance of the returns
-    last: np.ndarray  # (n,) tolerance of the previous returns
+    last_tol: np.ndarray  # (n,) tolerance of the previous returns
     period: np.ndarray  # (n,)
     #: (n, 4) of `measure.Orbits.measures` at this parameter; inf before the first correction
     errors: np.ndarray
@@ -242,7 +242,7 @@ def _polished(family, points, exact):
         polished.u[rows] += correction.step[:, :-1]
         polished.parameter[rows] *= 1.0 + correction.step[:, -1]
         polished.period[rows] = correction.period
-        finer = correction.tol / np.maximum(polished.last[rows], correction.tol)
+        finer = correction.tol / np.maximum(polished.last_tol[rows], correction.tol)
         errors = SAFETY * (finer[:, None] * correction.changes + correction.error)
         polished.errors[rows] = errors + located[rows, None] * correction.along
         # Correct again with finer returns; at the finest, as long as steps become shorter.  The
@@ -253,7 +253,7 @@ def _polished(family, points, exact):
         converging = by_step < 0.5 * last_change[rows]
         unfinished = (error > family.rtol) | (number == 0)
         unfinished &= (polished.tol[rows] > floor) | converging
-        last_change[rows], polished.last[rows] = by_step, polished.tol[rows]
+        last_change[rows], polished.last_tol[rows] = by_step, polished.tol[rows]
         rows, floor, error = rows[unfinished], floor[unfinished], error[unfinished]
         if not len(rows):
             break
@@ -292,7 +292,7 @@ def _correction(family, points, shape):
     """Return the `_Correction` of `_Points` of this shape, from the linearised branch."""
     u, tol, system = points.u, points.tol, family.sliders(points.parameter)
     orbits = orbits_of_one_period(system, single_returns(u, tol, points.period), tol)
-    coarse, finer = coarser_orbits(orbits, points.last)
+    coarse, finer = coarser_orbits(orbits, points.last_tol)
     by_steps, finer = difference(coarse, orbits), finer[:, None]
     by_p = parameter_derivatives(orbits, lambda factor: family.sliders(points.parameter * factor))
     by_K = by_p if family.parameter == "K" else stiffness_derivatives(orbits)

@@ -87,9 +87,9 @@ def atlas(
     from ...paper.atlas_figure import make
 
     files = list[Path]()
-    for each in laws:
-        with reporting_files(f"atlas, {each} law, b/a = {b_over_a:g}") as written:
-            written += make(each, out, b_over_a=b_over_a, n=n, **values)
+    for name in laws:
+        with reporting_files(f"atlas, {name} law, b/a = {b_over_a:g}") as written:
+            written += make(name, out, b_over_a=b_over_a, n=n, **values)
         files += written
     if json:
         print_json({"files": [str(path) for path in files]})

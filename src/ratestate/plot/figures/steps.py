@@ -121,18 +121,18 @@ def _legend(result, part, laws):
     looks = ({"lw": LINE, **RECORDED}, *_lines(laws).values())
     handles = [Line2D([], [], **look) for look in looks]
     names = ["recorded", *(f"{law} law" for law in laws)]
-    for (kind, up), marker in MARKERS.items():
-        if result is not None and _is_kind(result, kind, up).any():
+    for (kind, upwards), marker in MARKERS.items():
+        if result is not None and _is_kind(result, kind, upwards).any():
             handles.append(Line2D([], [], marker=marker, color="0.3", ms=3.5, ls=""))
-            names.append("hold" if kind == "hold" else f"step {'up' if up else 'down'}")
+            names.append("hold" if kind == "hold" else f"step {'up' if upwards else 'down'}")
     look = {"handlelength": 1.8, "columnspacing": 0.9, "handletextpad": 0.4, "fontsize": 7}
     part.legend(handles, names, loc="outside upper right", ncols=len(names), **look)
 
 
-def _is_kind(result, kind, up):
+def _is_kind(result, kind, upwards):
     """(n,) which steps are of this kind, to a higher speed or not."""
     rises = result["V_after"] > result["V_before"] if kind == "step" else False
-    return ((result["kind"] == kind) & (up == rises)).values
+    return ((result["kind"] == kind) & (upwards == rises)).values
 
 
 def _scale(laws, symbol):
@@ -150,8 +150,8 @@ def _draw_estimates(laws, symbol, along, ax):
         shift = ScaledTranslation(i * MARKER_SHIFT, 0.0, ax.figure.dpi_scale_trans)
         value = fit[symbol].values
         low, high = np.abs(fit["interval"].isel(level=0).transpose("side", "step").values - value)
-        for (kind, up), marker in MARKERS.items():
-            at = _is_kind(fit, kind, up) & np.isfinite(value)
+        for (kind, upwards), marker in MARKERS.items():
+            at = _is_kind(fit, kind, upwards) & np.isfinite(value)
             errors = np.where(np.isfinite([low, high]), [low, high], 0.0)[:, at]
             look = {"ms": 3.5, "lw": 0.8, "color": LAWS[law].color}
             bars = ax.errorbar(

@@ -118,8 +118,8 @@ def _measured_with_noise(record, hold, noise, levels):
     return MeasuredHold(EVALUATED, values, at, before, drift_coordinate)
 
 
-def _difference(one, other, unsteady):
-    return one[0] - other[0], math.hypot(one[1], other[1], unsteady)
+def _difference(value, reference, unsteady):
+    return value[0] - reference[0], math.hypot(value[1], reference[1], unsteady)
 
 
 def _distance_from_steady(record, rows, level, noise):

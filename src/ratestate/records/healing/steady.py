@@ -83,6 +83,15 @@ class Level(NamedTuple):
         return np.tensordot(self.coefficients, columns, 1)[()], np.sqrt(variance)[()]
 
 
+class _Solution(NamedTuple):
+    """The least-squares solution of a slide for each shape."""
+
+    coefficients: np.ndarray  # (shapes, k)
+    covariance: np.ndarray  # (shapes, k, k)
+    chi2: np.ndarray  # (shapes,)
+    log_likelihood: np.ndarray  # (shapes,)
+
+
 class _SlideFit(NamedTuple):
     """Least-squares fit of a slide's level (and slope): normal matrices for each shape.
 
@@ -95,7 +104,7 @@ class _SlideFit(NamedTuple):
     size: int  # 1: level; 2: level and slope
 
     def solved(self, transient, prior=None):
-        """Return coefficients (shapes, k), their covariance, chi-square and ln likelihood.
+        """Return the `_Solution`.
 
         transient : number of columns of the transient
         prior : mean (size,) and inverse covariance of level (and slope), or None
@@ -114,12 +123,12 @@ class _SlideFit(NamedTuple):
         coefficients = np.einsum("sij,sj->si", covariance, right)
         chi2 = chi2 - np.einsum("si,si->s", right, coefficients)
         log_normal = np.linalg.slogdet(normal)[1] + 2.0 * transient * np.log(self.scale)
-        return coefficients, covariance, chi2, -0.5 * (chi2 + log_normal)
+        return _Solution(coefficients, covariance, chi2, -0.5 * (chi2 + log_normal))
 
     def mean(self, weights, prior):
         """Return level (and slope) and covariance, averaged over shapes with these ln(weights)."""
-        coefficients, covariance, _, likelihood = self.solved(QUADRATIC, prior)
-        weights = weights + likelihood
+        coefficients, covariance, _, log_likelihood = self.solved(QUADRATIC, prior)
+        weights = weights + log_likelihood
         weights = np.exp(weights - logsumexp(weights))
         level = slice(self.size)
         mean = weights @ coefficients[:, level]
@@ -144,14 +153,15 @@ def levels_of(record, noise):
     # (over the record, the drift does not exceed the range of friction)
     slope = (np.ptp(record.drift_coordinate) / np.ptp(friction)) ** 2.0
     bound = np.zeros(1 + has_slope), np.diag([0.0, slope][: 1 + has_slope])
-    tails = [fitted.tail for fitted in slides if fitted.follows_hold and fitted.tail.size >= FEWEST]
+    tails = [slide.tail for slide in slides if slide.follows_hold and slide.tail.size >= FEWEST]
     shapes, weights = shapes_of(friction, record.slip, tails, noise.level)
     fits = [_slide_fit(record, slide.tail, noise, shapes) for slide in slides]
     evidence = np.zeros((len(slides), weights.size))
     for i, (fit, slide) in enumerate(zip(fits, slides, strict=True)):
         if fit is not None:
             fits[i] = fit.with_misfit(_with_no_transient(weights, slide), bound)
-            evidence[i] = fits[i].solved(QUADRATIC)[3][:-1] if slide.follows_hold else 0.0
+            if slide.follows_hold:
+                evidence[i] = fits[i].solved(QUADRATIC).log_likelihood[:-1]
     others = [
         _with_no_transient(weight, slide)
         for weight, slide in zip(weights + evidence.sum(0) - evidence, slides, strict=True)
@@ -221,7 +231,7 @@ def _slide_fit(record, rows, noise, shapes):
 
     def passes(size, _):
         fits[size] = _fit_in_window(columns[:, -size:], noise, shapes)
-        small, large = (fits[size].solved(k)[2].min() for k in (LINEAR, QUADRATIC + TESTED))
+        small, large = (fits[size].solved(k).chi2.min() for k in (LINEAR, QUADRATIC + TESTED))
         return small - large <= SIGNIFICANT
 
     passed = windows_that_pass(FEWEST, columns.shape[1], passes, FAILED)

@@ -69,9 +69,9 @@ def _steps_and_jumps(rows):
     def run_of(i, j):
         return SpeedRun(rows, [(i, j)])
 
-    def least_change(one, other):
-        error = (1.0 / one.spread + 1.0 / other.spread) ** 0.5
-        return max(MIN_STEP * max(abs(one.V), abs(other.V)), HOLD_ERRORS * error)
+    def least_change(before, after):
+        error = (1.0 / before.spread + 1.0 / after.spread) ** 0.5
+        return max(MIN_STEP * max(abs(before.V), abs(after.V)), HOLD_ERRORS * error)
 
     @functools.cache
     def change(i, j, k):

@@ -77,11 +77,11 @@ def ring_down(t, friction, rows, V):
     return fit._replace(covariance=fit.covariance + unknown, start=float(t[rows[0]]), V=V)
 
 
-def _fit_without_harmonics(t, friction, whole, omega, decay):
-    begin = t[whole[0]]
-    spacing = float(np.median(np.diff(t[whole])))
+def _fit_without_harmonics(t, friction, rows, omega, decay):
+    begin = t[rows[0]]
+    spacing = float(np.median(np.diff(t[rows])))
     for _ in range(TRIALS):
-        fit = _fit(t, friction, whole, begin, omega, decay)
+        fit = _fit(t, friction, rows, begin, omega, decay)
         if fit is None:
             return None
         omega, decay = fit.point

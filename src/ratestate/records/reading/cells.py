@@ -184,7 +184,7 @@ def parse_rows(lines, layout):
     if len(lines) > CHUNK:
         starts = range(0, len(lines), CHUNK)
         parts = [parse_rows(lines[i : i + CHUNK], layout) for i in starts]
-        places = [start + own for start, (_, own) in zip(starts, parts, strict=True)]
+        places = [start + place for start, (_, place) in zip(starts, parts, strict=True)]
         return np.concatenate([values for values, _ in parts]), np.concatenate(places)
     width = layout.width
     filled = [i for i, line in enumerate(lines) if has_content(line)]

@@ -10,11 +10,11 @@ from ...model.units import has_unit
 #: the tables of column_names.toml
 TABLE = tomllib.loads(Path(__file__).with_name("column_names.toml").read_text("utf-8"))
 #: symbol -> least and largest typical size [SI]; symbol -> unit to suggest
-TYPICAL_RANGES = {symbol: tuple(of["usual"]) for symbol, of in TABLE["quantities"].items()}
-EXAMPLE_UNIT = {symbol: of["unit"] for symbol, of in TABLE["quantities"].items()}
+TYPICAL_RANGES = {symbol: tuple(row["usual"]) for symbol, row in TABLE["quantities"].items()}
+EXAMPLE_UNIT = {symbol: row["unit"] for symbol, row in TABLE["quantities"].items()}
 #: kind of word in a title -> pattern to search in `spaced` names
 WORDS = {name: re.compile(pattern) for name, pattern in TABLE["words"].items()}
-_UNITS = {name: of.split() for name, of in TABLE["units"].items() if name != "words"}
+_UNITS = {name: text.split() for name, text in TABLE["units"].items() if name != "words"}
 _UNIT_NAMES = {unit.lower() for unit in _UNITS["names"]}
 _BY_LOWERCASE: dict[str, str] = {unit.lower(): unit for unit in _UNITS["names"]}
 #: unit of mass -> unit of the weight that it stands for
