@@ -14,7 +14,7 @@ from .answers import answer_branch, answer_chart, picture_of, run_job
 from .bundle import bundle
 from .deadline import Deadline, TimeUp
 from .entries import PORT, BadEntries, address_of, state_of
-from .menus import offers
+from .menus import page_data
 from .picture import study_of
 
 FIGURES = ("svg", "pdf", "png")
@@ -89,7 +89,7 @@ def standalone(entries, pinned, deadline):
     starts = [{"name": "saved", "title": "as saved", "entries": _texts(entries)}]
     size = charts.size_in_time(state_of(entries).slider, deadline) or charts.SIZES[0]
     rows = [
-        _row("hello", None, wire.answer(None, "hello", **offers(starts), live=live)),
+        _row("hello", None, wire.answer(None, "hello", **page_data(starts), live=live)),
         _row("picture", entries, first),
         *(_row("picture", texts, _picture(texts, deadline)[1]) for texts in pinned),
         _answered_row(partial(answer_chart, size=size), "chart", entries, deadline),

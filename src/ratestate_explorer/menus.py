@@ -1,4 +1,4 @@
-"""What the page offers: fields, laws with their forms of friction, the paper's sliders."""
+"""What the page page_data: fields, laws with their forms of friction, the paper's sliders."""
 
 import tomllib
 from pathlib import Path
@@ -19,7 +19,7 @@ FIG1_STEP = float(np.e * paper.FIG1.V0)
 OWN = "A parameter that only this friction law has."
 
 
-def offers(starts):
+def page_data(starts):
     """Return what the page needs to begin, a dict; starts : as `presets`, the first is opened."""
     # (a page may open with a value that no slider can be centred on, such as 0 or inf)
     defaults = fields(state_of(presets()[0]["entries"]).values)

@@ -12,7 +12,7 @@ from .answers import answer_branch, answer_chart, answer_picture, answer_rows, r
 from .deadline import Deadline
 from .entries import BadEntries, state_of
 from .exports import answer_file
-from .menus import example, offers, presets
+from .menus import example, page_data, presets
 from .queues import Kernels, QuestionQueue, kind_of
 
 # Downloads: how many may wait; seconds for one, and for each part of its work.
@@ -78,7 +78,7 @@ class Session:
         tasks = [asyncio.create_task(queue.work(self.prepare, self.send)) for queue in queues]
         try:
             header = {"page": self.token, "largest_file": lab_record.LARGEST}
-            header |= {"too_large": lab_record.too_large(), **offers(presets())}
+            header |= {"too_large": lab_record.too_large(), **page_data(presets())}
             await self.send(wire.answer(None, "hello", **header))
             while (message := await self.socket.receive())["type"] != "websocket.disconnect":
                 await self.take(message.get("text") or "")

@@ -38,7 +38,7 @@ class Bar:
             self.drawn.stop()
 
     @property
-    def due(self):
+    def is_due(self):
         """Whether the work has taken long enough for a bar."""
         return time.monotonic() - self.begin >= PATIENCE
 
@@ -86,7 +86,7 @@ def bar(label):
 
         def update(fraction):
             shown_bar.begin = min(shown_bar.begin, time.monotonic())
-            if shown_bar.due:
+            if shown_bar.is_due:
                 description = f"{fraction:4.0%}"
                 if fraction > 0.0:
                     passed = time.monotonic() - shown_bar.begin

@@ -133,7 +133,7 @@ class _Program:
             label = name or f"{function.__name__}.{next(self._count)}"
             written = _Function(self, function, arguments)
             self._compiled[key] = label, written.returns
-            self.texts.append(written.whole(f"{'' if name else 'internal '}{{}} @{label}"))
+            self.texts.append(written.definition(f"{'' if name else 'internal '}{{}} @{label}"))
         return self._compiled[key]
 
 
@@ -153,7 +153,7 @@ class _Function(Code):
         if not self._block(tree.body):
             self._exec_Return(ast.Return())
 
-    def whole(self, head):
+    def definition(self, head):
         """Return the text; head : contains {}, which the type of the result replaces."""
         body = "\n  ".join(["entry:", *self._slots, *self.lines])
         head = head.format(_type_of(self.returns))

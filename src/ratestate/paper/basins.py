@@ -78,7 +78,7 @@ def draw(data):
     V_c = float(data.V_c)
     _coexistence(data, axes[0], V_c)
     _two_steps(data, axes[1], V_c)
-    _edge(data, axes[2], V_c)
+    _draw_edge(data, axes[2], V_c)
     _threshold(data, axes[3])
     aging = rf"$K = {RATIO:g}\,K_{{c,qs}}$", f"steps to {EXAMPLE:g} $V_c$", "edge of the basin"
     letters(axes, *(f"aging law, {text}" for text in aging), "slip law without mass ($M = 0$)")
@@ -110,7 +110,7 @@ def _two_steps(data, ax, V_c):
     ax.legend(loc="upper left")
 
 
-def _edge(data, ax, V_c):
+def _draw_edge(data, ax, V_c):
     """Draw the smallest step and kick that leave the basin."""
     kick = data.kick_up / (plot.parameter(data, "a") * plot.parameter(data, "sigma"))
     look = {"color": plot.RED, "ls": "--", "lw": 1.2}

@@ -42,7 +42,7 @@ class SweepAxis(NamedTuple):
         values = self.names or [f"{value:.4g}" for value in self.values]
         return [f"{label(dim)} = {value} {self.unit}".rstrip() for value in values]
 
-    def dress(self, axis):
+    def format_axis(self, axis):
         """Give a matplotlib axis its label and scale, or its names."""
         axis.set_label_text(in_unit(self.name, self.unit))
         if self.logarithmic:

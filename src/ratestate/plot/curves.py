@@ -62,7 +62,7 @@ class FittedRecord(NamedTuple):
         """Abscissa, in `unit`, of times [s] since the first sample; the ends beyond them."""
         return np.interp(t, self.t, self.values)
 
-    def dress(self, ax, rows):
+    def format_panel(self, ax, rows):
         """Give these samples' panel its label and limits."""
         origin_text = " since the record's start" if rows == ALL_ROWS else ""
         ax.set(xlabel=f"{ABSCISSAE[self.x]}{origin_text} [{self.unit}]")
@@ -122,7 +122,7 @@ def curves(record, ax, rows=ALL_ROWS):
     margin = 0.05 * (max(ends) - min(ends))
     # a band may be wider than all there is to see
     ax.set(ylim=(min(ends) - margin, max(ends) + margin), ylabel=r"Friction $\tau/\sigma$")
-    record.dress(ax, rows)
+    record.format_panel(ax, rows)
 
 
 def residuals(record, law, ax, rows=ALL_ROWS):
@@ -137,7 +137,7 @@ def residuals(record, law, ax, rows=ALL_ROWS):
     normal_95(ax, 1e3 * level, zorder=3)
     limit = 1e3 * 1.08 * max(float(np.abs(fit["residual"]).max()) for fit in record.laws.values())
     ax.set(ylim=(-limit, limit), ylabel="Residual\n" + r"[$10^{-3}$]")
-    record.dress(ax, rows)
+    record.format_panel(ax, rows)
 
 
 def normal_95(ax, level=1.0, **style):

@@ -54,11 +54,11 @@ STYLE: Any = {
     "xtick.direction": "in",
     "ytick.direction": "in",
 }
-#: decorator of the functions that draw; it sets what all threads share: see `dress`
+#: decorator of the functions that draw; it sets what all threads share: see `apply_style`
 styled = rc_context(STYLE)
 
 
-def dress(fig):
+def apply_style(fig):
     """Give a figure the `STYLE`, after it is drawn: for threads beside which others draw too."""
     for ax in fig.axes:
         ax.tick_params(which="both", direction="in", labelsize=STYLE["font.size"])

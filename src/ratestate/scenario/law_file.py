@@ -35,7 +35,7 @@ def take_law_file(
         return
     else:
         place = Place(("slider", "law_file"), problems)
-        file, name = named, place.noting(lambda: _register(named, folder)) or ""
+        file, name = named, place.attempt(lambda: _register(named, folder)) or ""
     if name:
         law, base_name = friction_law(name), name.partition(HASH_MARK)[0]
         for key, table in {"slider": slider, "sweep": sweep}.items():

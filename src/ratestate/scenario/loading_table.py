@@ -84,12 +84,12 @@ class LoadingTable:
                     return None
                 first = Call("sinusoid", first.arguments | {"t_end": t_end})
             make = functools.partial(first.apply_to, Loading)
-            loading = place.noting(make)
+            loading = place.attempt(make)
         if loading is None or (self.is_record and not self.is_sound):
             return None
         for place, call in calls:
             make = functools.partial(call.apply_to, loading)
-            loading = place.noting(make) or loading
+            loading = place.attempt(make) or loading
         return loading if is_known and len(self.place.problems) == before else None
 
 
@@ -195,7 +195,7 @@ def _divide_force(values: dict[str, Any], key: str, place: Place, area: dict[str
     """Divide a value by the area if it is a force, which is still a text."""
     if isinstance(force := values.get(key), str):
         divide = functools.partial(parameter_to_si, "sigma", force, area)
-        values[key] = place.at(key).noting(divide, "sigma")
+        values[key] = place.at(key).attempt(divide, "sigma")
 
 
 def _from_rows(given: dict[str, Any], place: Place, area: dict[str, Any]) -> Loading | None:
@@ -213,10 +213,10 @@ def _from_rows(given: dict[str, Any], place: Place, area: dict[str, Any]) -> Loa
             if values.quantity != key:
                 unit = QUANTITIES[values.quantity].unit
                 divide = functools.partial(_per_area, columns[key], unit, area)
-                columns[key] = at.noting(divide)
+                columns[key] = at.attempt(divide)
     if len(place.problems) > before:
         return None
-    return place.at("t").noting(lambda: Loading.series(**columns))
+    return place.at("t").attempt(lambda: Loading.series(**columns))
 
 
 def _from_file(
@@ -227,14 +227,14 @@ def _from_file(
     wanted = _names("columns", given, str | int, (2, 3), place)
     if "units" in given and wanted:
         units = _names("units", given, str, (len(wanted),), place)
-    table = place.at("file").noting(lambda: _open(given["file"], folder))
+    table = place.at("file").attempt(lambda: _open(given["file"], folder))
     if table is None or wanted is None:
         return None
     columns = []
     for i, (symbol, request) in enumerate(zip(COLUMNS, wanted, strict=False)):
         at = place.at("columns").at(i)
         find = functools.partial(requested_column, table, symbol, request)
-        if (index := at.noting(find, f"columns: {symbol}")) is not None:
+        if (index := at.attempt(find, f"columns: {symbol}")) is not None:
             column = table.columns[index]
             columns.append(column._replace(unit=units[i] if units else plain_unit(column.unit)))
             _check_unit(symbol, columns[-1], place.at("units").at(i) if units else at, area)
@@ -248,7 +248,7 @@ def _from_file(
             at.add("record.more_no_numbers", n=len(bad) - MOST_CELLS)
     if len(place.problems) > before:
         return None
-    return at.noting(lambda: _series(columns, area))
+    return at.attempt(lambda: _series(columns, area))
 
 
 def _names(

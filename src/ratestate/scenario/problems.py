@@ -52,7 +52,7 @@ class Place(NamedTuple):
         """Note that a key of this table is missing, and what to give if not its quantity."""
         self.at(key).add("key.missing", wanted=wanted or QUANTITIES[key].remedy)
 
-    def noting(self, make: Callable[[], T], symbol: str = "") -> T | None:
+    def attempt(self, make: Callable[[], T], symbol: str = "") -> T | None:
         """Return what `make` returns; note a ParameterError, and return None."""
         try:
             return make()

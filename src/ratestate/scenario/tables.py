@@ -86,9 +86,9 @@ def read_value(key: str, value: Any, place: Place, law: FrictionLaw | None = Non
             place.add("law_file.unknown", given=value, own=value.partition(HASH_MARK)[0])
             return None
     if names := choices(key):
-        return place.noting(lambda: choice(value, names))
+        return place.attempt(lambda: choice(value, names))
     if key in ENDINGS:
-        return place.noting(lambda: _path(key, value))
+        return place.attempt(lambda: _path(key, value))
     return read_number(key, value, place)
 
 
@@ -165,7 +165,7 @@ def _function_of(
         if not (of_run or requested):
             place.missing("function", one_of(FUNCTIONS))
         return of_run or requested or ""
-    function = place.at("function").noting(lambda: choice(table["function"], FUNCTIONS))
+    function = place.at("function").attempt(lambda: choice(table["function"], FUNCTIONS))
     if function and of_run not in (None, function):
         place.at("function").add("table.two_functions", given=function, own=of_run)
         return ""

@@ -31,7 +31,7 @@ ROW, SIZE, MARGIN = 0.17, 7.5, 0.25
 GAP, BOLD = 8.0, 1.12
 
 
-def framed(result, laws, height):
+def titled_figure(result, laws, height):
     """(Figure with its title, list of its empty parts: panels, likelihoods if any, estimates).
 
     height : of the panels [inches]

@@ -8,7 +8,7 @@ from ...records.fitting.by_law import checked_by_law, has_steps, law_of, value_o
 from ..curves import ALL_ROWS, curves, marks, normal_95, record_of, residuals
 from ..labels import LAWS
 from ..layout import letters, styled
-from .fit_parts import finished, framed, legend
+from .fit_parts import finished, legend, titled_figure
 from .steps import steps_figure
 
 #: close-ups: how many at most, the fewest samples, what is before a step over what is after it
@@ -81,8 +81,8 @@ def fit_figure(result, x=None):
         return cycles_figure(result)
     record = record_of(result, x)
     laws, close = [*record.laws], _close_ups(record)
-    rows, heights = _rows(laws, [*close])
-    fig, (top, *below) = framed(result, laws, sum(heights))
+    rows, heights = _mosaic_rows(laws, [*close])
+    fig, (top, *below) = titled_figure(result, laws, sum(heights))
     ratios = [1.25, 1.0] if len(close) == 1 else None
     axes = top.subplot_mosaic(rows, height_ratios=heights, width_ratios=ratios)
     views = {"record": ALL_ROWS} | close
@@ -108,7 +108,7 @@ def fit_figure(result, x=None):
     return fig
 
 
-def _rows(laws, close):
+def _mosaic_rows(laws, close):
     """Names of the panels as a mosaic (record, LAW record for residuals, close-ups); heights."""
     rows = [["record"], *([f"{law} record"] for law in laws)]
     heights = [RECORD] + [RESIDUAL] * len(laws)
@@ -126,7 +126,7 @@ def _close_ups(record):
     for i, change in enumerate(record.changes, start=1):
         if change.V == 0.0:
             continue
-        reach = max(_reach(part, change) for part in record.laws.values())
+        reach = max(_length_of_step(part, change) for part in record.laws.values())
         start = record.at(change.start)
         high = record.at(min(change.end, change.start + reach / change.V))
         low = max(record.at(change.previous), start - PART_BEFORE * (high - start))
@@ -136,7 +136,7 @@ def _close_ups(record):
     return dict(list(views.items())[:MAX_CLOSE_UPS])
 
 
-def _reach(part, change):
+def _length_of_step(part, change):
     """Displacement [m] in which a step is over: the spring loads, and the state evolves."""
     a, K, sigma = (value_of(part, symbol) for symbol in ("a", "K", "sigma"))
     longest = max(value_of(part, symbol) for symbol in law_of(part).lengths)
@@ -159,7 +159,7 @@ def cycles_figure(result):
     """Draw the figure of a fit against cycles."""
     record = record_of(result, "time")
     laws, t = record.laws, record.t
-    fig, (top, *below) = framed(result, laws, sum(HEIGHTS))
+    fig, (top, *below) = titled_figure(result, laws, sum(HEIGHTS))
     axes = top.subplot_mosaic([["a", "a"], ["b", "c"]], height_ratios=HEIGHTS)
     curves(record, axes["a"])
     legend(axes["a"], laws, band=False)

@@ -120,7 +120,7 @@ def response_figure(result):
     scale, unit = prefixed("Hz", float(np.median(result.frequency)))
     frequency = scale * result.frequency.values
     for column, name in zip(axes.T, INPUTS, strict=True):
-        _draw(column, result, name, frequency)
+        _draw_gains(column, result, name, frequency)
         column[-1].set_xlabel(f"Frequency [{unit}]")
         if np.isfinite(resonance := float(result.resonance)):
             for ax in column:
@@ -137,7 +137,7 @@ def response_figure(result):
     return fig
 
 
-def _draw(column, result, name, frequency):
+def _draw_gains(column, result, name, frequency):
     """Gains of V, of tau and mu, and the phases, in three axes."""
     V_lp, sigma = float(result.V_lp), float(parameter(result, "sigma"))
     size = {"V_lp": V_lp, "sigma": sigma}[name]

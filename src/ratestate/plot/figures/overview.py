@@ -6,7 +6,7 @@ from matplotlib.transforms import offset_copy
 
 from ...dynamics.results import normal_stress
 from ..labels import BLUE, GRAY, label, mathematics, prefixed
-from ..layout import ABOVE, blank_figure, dress, letters, wrapped
+from ..layout import ABOVE, apply_style, blank_figure, letters, wrapped
 from ..maps import atlas
 from ..motion import trace
 from ..runs import NARROW, NamedRun, named_runs, plane, speed
@@ -68,7 +68,7 @@ def overview(run, verdict, *, orbit=None, others=(), chart=None, caption=()):
         names = ["the run shown", *(other.name for other in other_runs)]
         handles = [stresses.lines[0], *stresses.lines[-len(other_runs) :]]
         fig.legend(handles, names, loc="outside lower left", **LEGEND)
-    dress(fig)
+    apply_style(fig)
     return fig
 
 

@@ -70,16 +70,16 @@ def _critical(result, axes):
         return
     V = result.V_load.isel(time=-1) if "V_load" in result else parameter(result, "V_lp")
     values = {symbol: parameter(result, symbol) for symbol in ("a", "b", "Dc", "sigma", "M", "K")}
-    finer = {symbol: _finer(value, axes) for symbol, value in values.items()}
+    finer = {symbol: _refined(value, axes) for symbol, value in values.items()}
     K = finer.pop("K")
     # K and the axes' other parameters may each vary along one dimension only
     ones = np.ones([_numbers(axis).size for axis in axes.values()])
     frame = xarray.DataArray(ones, dims=[*axes])
-    ratio = (K_c(_finer(V, axes), **finer) / K * frame).transpose(*axes).values
+    ratio = (K_c(_refined(V, axes), **finer) / K * frame).transpose(*axes).values
     (y_numbers, y_axis), (x_numbers, x_axis) = ((_numbers(axis), axis) for axis in axes.values())
     lines: Any = contour_generator(x_numbers, y_numbers, np.ma.masked_invalid(ratio)).lines(1.0)
     for path in lines:
-        yield _place(x_axis, path[:, 0]), _place(y_axis, path[:, 1])
+        yield _positions(x_axis, path[:, 0]), _positions(y_axis, path[:, 1])
 
 
 def _numbers(axis):
@@ -93,12 +93,12 @@ def _interpolated(values, numbers):
     return np.interp(numbers, np.arange(-1.0, len(values) + 1), np.pad(values, 1, **ODD))
 
 
-def _place(axis, numbers):
+def _positions(axis, numbers):
     """Where on an axis such numbers are."""
     return axis.at(_interpolated(axis.even, numbers))
 
 
-def _finer(value, axes):
+def _refined(value, axes):
     """A parameter between the cases: on the scale of each of the axes along which it varies."""
     if not is_array(value):
         return value
@@ -142,7 +142,7 @@ def _write_names(ax, x_axis, y_axis, names):
         room, row, column, text = max(_most_room(finer == name, text) for text in texts)
         if room > 0.5:
             at = {"ha": "center", "va": "center", "fontsize": 7, "path_effects": HALO}
-            ax.text(_place(x_axis, column), _place(y_axis, row), text, **at)
+            ax.text(_positions(x_axis, column), _positions(y_axis, row), text, **at)
 
 
 def _most_room(inside, text):

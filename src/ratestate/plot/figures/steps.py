@@ -83,7 +83,7 @@ def _step(step, laws, axes):
         below.plot(x, 1e3 * (step["friction"] - curve), lw=0.4, color=LAWS[law].color)
     is_stick_slip = any(part["status"] == STICK_SLIP for part in laws.values())
     why = "" if fitted else " stick-slip" if is_stick_slip else " failed"
-    head = f"step {int(step['step'])}: {_head(step)}{why}"
+    head = f"step {int(step['step'])}: {_change_label(step)}{why}"
     ax.set_title(head, fontsize=6, pad=2, color="k" if fitted else "#c00000")
     for panel, ticks in ((ax, 4), (below, 2)):
         panel.axvline(0.0, color=GRAY, lw=0.6, ls=":", zorder=0)
@@ -109,7 +109,7 @@ def _abscissa(step):
     return factor * values, in_unit("Time" if is_hold else "Displacement", unit)
 
 
-def _head(step):
+def _change_label(step):
     """What changes at a step, in few letters."""
     text, *_ = change_text(step).partition(",")
     text = text.replace("->", "\N{RIGHTWARDS ARROW}").replace("sigma", label("sigma"))

@@ -54,14 +54,14 @@ def sweep_figure(result, function, dims):
             marks = _lines(ax, result, name, along, across)
         if marks:
             fig.legend(handles=marks, loc="upper right")
-        axis_of(result, along).dress(axes[-1].xaxis)
+        axis_of(result, along).format_axis(axes[-1].xaxis)
     else:
         fig = figure(result, 3.2, title=title)
         axes = fig.subplots(1, len(names), sharex=True, sharey=True, squeeze=False).ravel()
         for ax, name in zip(axes, names, strict=True):
             _map(fig, ax, result, name, dims)
         across, along = (axis_of(result, dim) for dim in dims)
-        across.dress(axes[0].yaxis)
+        across.format_axis(axes[0].yaxis)
         divide(fig, axes, result, dims, along, across, _is_outside(result, dims))
     letters(axes)
     return fig
@@ -163,7 +163,7 @@ def _map(fig, ax, result, name, dims):
     values = _values(result, name, dims)
     factor, unit = fitting_unit(name, values, contact_area(result))
     values = factor * values
-    x_axis.dress(ax.xaxis)
+    x_axis.format_axis(ax.xaxis)
     if not _write_if_empty(ax, values):
         style, ticks = _colors(values)
         colored = ax.pcolormesh(x_axis.edges, y_axis.edges, values, rasterized=True, **style)
