@@ -76,7 +76,7 @@ def memory():
 def check_fits(size, subject, remedy):
     """Raise ParameterError if an array of `size` bytes exceeds the memory of this process.
 
-    what : str, subject of the message, in the plural
+    subject : str, subject of the message, in the plural
     remedy : str, how to need less memory
     """
     if size > ALWAYS_AVAILABLE and size > (free := memory()):

@@ -1,4 +1,4 @@
-"""What the page page_data: fields, laws with their forms of friction, the paper's sliders."""
+"""What the page offers: fields, laws with their forms of friction, the paper's sliders."""
 
 import tomllib
 from pathlib import Path

@@ -57,7 +57,7 @@ def constant_in_si(symbol, value):
 
 
 def check_stress(is_wrong, values):
-    """Raise ParameterError for the first row of a normal stress (n,) in a mask `wrong` (n,)."""
+    """Raise ParameterError for the first row of a normal stress (n,) in a mask `is_wrong` (n,)."""
     if is_wrong.any():
         row = int(np.argmax(is_wrong))
         raise sentences.refusal("column.stress", value=values[row], row=row)

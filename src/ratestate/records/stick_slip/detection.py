@@ -158,7 +158,7 @@ def without_rebounds(y, displacement, falls):
 
     A rise is a rebound if it is steeper than the spring can load the block elsewhere in the record.
 
-    moved : (n,) displacement of the load point [m]
+    displacement : (n,) of the load point [m]
     """
     rises, distances = (x[falls[1:, 0]] - x[falls[:-1, 1]] for x in (y, displacement))
     if rises.size < 2 or not (distances > 0.0).all():
