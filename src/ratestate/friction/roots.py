@@ -37,10 +37,10 @@ def root_between(function, low, high):
     x, y, other, y_other = high, function(high), low, function(low)
     best = np.where(np.sign(y) * np.sign(y_other) <= 0.0, x, np.nan)
     best = np.where(y_other == 0.0, other, best)
-    done = np.isnan(best) | (y == 0.0) | (y_other == 0.0)
+    is_done = np.isnan(best) | (y == 0.0) | (y_other == 0.0)
     fraction = np.full(np.shape(best), 0.5)
     for _ in range(2 * MAX_STEPS):
-        if done.all():
+        if is_done.all():
             break
         new = x + fraction * (other - x)
         y_new = function(new)
@@ -48,9 +48,9 @@ def root_between(function, low, high):
         dropped, y_dropped = np.where(keeps_sign, x, other), np.where(keeps_sign, y, y_other)
         other, y_other = np.where(keeps_sign, other, x), np.where(keeps_sign, y_other, y)
         x, y = new, y_new
-        best = np.where(done, best, np.where(np.abs(y) < np.abs(y_other), x, other))
+        best = np.where(is_done, best, np.where(np.abs(y) < np.abs(y_other), x, other))
         least = 2.0**-52 * np.abs(best) / np.abs(other - x)
-        done = done | (y == 0.0) | ~(least < 0.5)
+        is_done = is_done | (y == 0.0) | ~(least < 0.5)
         u, f = (x - other) / (dropped - other), (y - y_other) / (y_dropped - y_other)
         smooth = (f**2 < u) & ((1.0 - f) ** 2 < 1.0 - u)
         inverse = y / (y_other - y) * y_dropped / (y_other - y_dropped)

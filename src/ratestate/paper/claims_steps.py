@@ -24,9 +24,9 @@ def on_friction(law):
     a, b, Dc, mu0 = slider.a, slider.b, slider.Dc, slider.mu0
     reach = 30 * Dc  # exp(-30) of the fall is rounding
     mu, slip = _friction(slider, reach), np.linspace(0.0, reach, POINTS)
-    left = (mu - mu[-1]) / (mu[0] - mu[-1])
+    remaining = (mu - mu[-1]) / (mu[0] - mu[-1])
     begin = slip < 2 * Dc
-    distance = np.interp(1.0, -np.log(left[begin]), slip[begin])
+    distance = np.interp(1.0, -np.log(remaining[begin]), slip[begin])
     exact = Dc if law == "slip" else Dc * math.log((math.e - 1) / math.expm1(1 / math.e))
     values = {
         "direct_effect": (mu[0] - mu0, a),

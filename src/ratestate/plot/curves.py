@@ -132,8 +132,8 @@ def residuals(record, law, ax, rows=ALL_ROWS):
     """
     part = record.laws[law]
     level = float(np.hypot(part["noise_white"], part["noise_red"]))
-    left = 1e3 * part["residual"].values
-    scatter(ax, record.values[rows], left[rows], rows, LAWS[law].color, None)
+    residual = 1e3 * part["residual"].values
+    scatter(ax, record.values[rows], residual[rows], rows, LAWS[law].color, None)
     normal_95(ax, 1e3 * level, zorder=3)
     limit = 1e3 * 1.08 * max(float(np.abs(fit["residual"]).max()) for fit in record.laws.values())
     ax.set(ylim=(-limit, limit), ylabel="Residual\n" + r"[$10^{-3}$]")

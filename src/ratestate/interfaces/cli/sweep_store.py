@@ -69,10 +69,10 @@ def sweep(
         scenario = load_scenario(file, None, outputs.law_file)
         output = output_paths(scenario, outputs.out, outputs.plot)
         with _client(scheduler) as client:
-            how: dict[str, Any] = {"client": client, "slurm": slurm, "chunk": chunk}
-            how |= {"device": device, **scenario.settings}
+            settings: dict[str, Any] = {"client": client, "slurm": slurm, "chunk": chunk}
+            settings |= {"device": device, "progress": True, **scenario.settings}
             try:
-                result = run(scenario.function, scenario.slider, store=store, progress=True, **how)
+                result = run(scenario.function, scenario.slider, store=store, **settings)
                 number = print_outcome(store, result, outputs.json)
                 write_numbers(in_numbers(result, own_units), output)
                 draw_plot(result, output)
