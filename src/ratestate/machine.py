@@ -34,8 +34,8 @@ def cores():
     It is the smallest of three limits: the cores that the process may run on, the CPU quotas of its
     control groups (rounded up), and NUMBA_NUM_THREADS in the environment.
     """
-    here = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else ()
-    limits = [len(here) or os.cpu_count() or 1, *_cpu_quotas()]
+    processors = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else ()
+    limits = [len(processors) or os.cpu_count() or 1, *_cpu_quotas()]
     wanted = os.environ.get("NUMBA_NUM_THREADS", "")
     if wanted.isdecimal() and int(wanted) > 0:
         limits.append(int(wanted))
@@ -73,15 +73,15 @@ def memory():
     return min(limits)
 
 
-def check_fits(size, what, remedy):
+def check_fits(size, subject, remedy):
     """Raise ParameterError if an array of `size` bytes exceeds the memory of this process.
 
-    what : str, subject of the message, in the plural
+    subject : str, subject of the message, in the plural
     remedy : str, how to need less memory
     """
-    if size > ALWAYS_AVAILABLE and size > (most := memory()):
+    if size > ALWAYS_AVAILABLE and size > (free := memory()):
         raise ParameterError(
-            f"{what} need {size / 1e9:,.3g} GB of memory, but the limit is {most / 1e9:,.3g} GB",
+            f"{subject} need {size / 1e9:,.3g} GB of memory, but the limit is {free / 1e9:,.3g} GB",
             remedy,
         )
 

@@ -60,7 +60,7 @@ def run_job(job, question, deadline):
     except rs.RateStateError as error:
         problems = {place: str(error)}
     except TimeUp:
-        seconds = min(deadline.seconds, deadline.whole)
+        seconds = min(deadline.seconds, deadline.total)
         problems = {
             place: f"{question.ask}: the computation takes more than {seconds:g} s. In Python it "
             f"has no such limit."

@@ -89,18 +89,18 @@ def branch(state, along, deadline):
 def axis_of(slider, V_lp, along):
     """Return the `ParameterRange` of the diagram of a slider at a speed."""
     value = V_lp if along == "V_lp" else getattr(slider, along)
-    there = 0.0 < value < np.inf
-    anchor = value if there else _scale(slider, V_lp, along)
+    has_value = 0.0 < value < np.inf
+    anchor = value if has_value else _scale(slider, V_lp, along)
     wide = anchor * 10.0 ** np.array([-REACH, REACH])
     changes, stable = _stability(slider, V_lp, along, *wide)
     if changes:
-        which = int(np.argmin(np.abs(np.log(np.array(changes) / anchor))))
-        rises = stable == (which % 2 == 1)  # whether sliding is stable above, and not below
+        nearest = int(np.argmin(np.abs(np.log(np.array(changes) / anchor))))
+        rises = stable == (nearest % 2 == 1)  # whether sliding is stable above, and not below
         below, above = (UNSTABLE_SIDE, STABLE_SIDE) if rises else (STABLE_SIDE, UNSTABLE_SIDE)
-        low, high = changes[which] / 10.0**below, changes[which] * 10.0**above
+        low, high = changes[nearest] / 10.0**below, changes[nearest] * 10.0**above
     else:
         low, high = _rounded_decades(anchor, SIDE)
-    if there and not low <= value <= high:
+    if has_value and not low <= value <= high:
         ends = _rounded_decades(value, SIDE / 2.0)
         low, high = min(low, ends[0]), max(high, ends[1])
     changes, stable = _stability(slider, V_lp, along, low, high)
@@ -140,8 +140,8 @@ def _stability(slider, V_lp, along, low, high):
     left, right, before = p[change], p[change + 1], is_stable[change]
     while len(left) and (right - left > 1e-15 * np.maximum(np.abs(left), 1.0)).any():
         middle = 0.5 * (left + right)
-        same = stable(middle) == before
-        left, right = np.where(same, middle, left), np.where(same, right, middle)
+        keeps_side = stable(middle) == before
+        left, right = np.where(keeps_side, middle, left), np.where(keeps_side, right, middle)
     # Rounded, so that diagrams of the same slider are the same, wherever the search began.
     return [float(f"{value:.12g}") for value in np.exp(right)], bool(is_stable[0])
 
@@ -180,7 +180,7 @@ def _followed(slider, V_lp, along, start, stop):
 
 def _columns(piece, along):
     names = {"parameter": along, "amplitude": "amplitude", "V_max": "V_max"}
-    return {name: piece[of].values for name, of in names.items()}
+    return {name: piece[column].values for name, column in names.items()}
 
 
 def _stable(piece):

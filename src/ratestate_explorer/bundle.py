@@ -82,7 +82,7 @@ def _script(main):
         if path not in names:
             text = _COMMENT.sub(lambda m: m[0] if "Copyright" in m[0] else "", _text(path))
             for *_, other in _IMPORT.findall(text):
-                add(_beside(path, other))
+                add(_sibling(path, other))
             names[path] = f"module{len(names)}"
             functions.append(f"const {names[path]} = (() => {{\n{_function(path, text)}}})();\n")
         return names[path]
@@ -90,12 +90,12 @@ def _script(main):
     def _function(path, text):
         exports = [*_EXPORT.findall(text), *(f"default: {x}" for x in _DEFAULT.findall(text))]
 
-        def taken(found):
-            several, default, other = found.groups()
-            what = several.replace(" as ", ": ") if several else f" default: {default} "
-            return f"const {{{what}}} = {names[_beside(path, other)]};\n"
+        def replacement(found):
+            named, default, other = found.groups()
+            names_text = named.replace(" as ", ": ") if named else f" default: {default} "
+            return f"const {{{names_text}}} = {names[_sibling(path, other)]};\n"
 
-        text = _DEFAULT.sub("", _EXPORT.sub("", _IMPORT.sub(taken, text)))
+        text = _DEFAULT.sub("", _EXPORT.sub("", _IMPORT.sub(replacement, text)))
         if left := _LEFT.search(text):
             raise ValueError(f"{path}: {left[0]!r} cannot be put into one file")
         return f"{text}return {{ {', '.join(exports)} }};\n"
@@ -104,7 +104,7 @@ def _script(main):
     return "".join(functions)
 
 
-def _beside(path, other):
+def _sibling(path, other):
     return posixpath.normpath(posixpath.join(posixpath.dirname(path), other))
 
 

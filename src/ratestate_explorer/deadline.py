@@ -17,13 +17,13 @@ class TimeUp(Exception):
 class Deadline(threading.Event):
     """An event that is set some seconds after its last `start`, or at once by `set`.
 
-    Each part of the work may take `seconds`, and all parts together `whole`, from the first `start`
+    Each part of the work may take `seconds`, and all parts together `total`, from the first `start`
     on.  On a busy machine seconds of the processor count, up to `PATIENCE` times as long.
     """
 
-    def __init__(self, seconds, whole=float("inf")):
+    def __init__(self, seconds, total=float("inf")):
         super().__init__()
-        self.seconds, self.whole, self.done = seconds, whole, 0.0
+        self.seconds, self.total, self.done = seconds, total, 0.0
         self._first = self._part = None
 
     def start(self):
@@ -35,7 +35,7 @@ class Deadline(threading.Event):
         """Return whether `set` was called or, after the first `start`, the time is up."""
         if super().is_set() or self._part is None:
             return super().is_set()
-        return _spent(self._part) > self.seconds or _spent(self._first) > self.whole
+        return _seconds_spent(self._part) > self.seconds or _seconds_spent(self._first) > self.total
 
     @property
     def cancelled(self):
@@ -62,7 +62,7 @@ class Deadline(threading.Event):
             raise TimeUp from None
 
 
-def _spent(since):
+def _seconds_spent(start):
     """Return the seconds that this program worked since a pair of (monotonic, process) times."""
-    wall = time.monotonic() - since[0]
-    return min(wall, max(time.process_time() - since[1], wall / PATIENCE))
+    wall = time.monotonic() - start[0]
+    return min(wall, max(time.process_time() - start[1], wall / PATIENCE))

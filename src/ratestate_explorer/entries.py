@@ -56,8 +56,8 @@ def state_of(entries: Any) -> PageState:
     law, form, problems = _law_of(entries)
     given = {name: entries[name] for name in EXPERIMENT if entries.get(name) is not None}
     values: dict[str, Any] = {}
-    own = law.forms[form] if law else ()
-    texts = {field: entries.get(field, NONE.get(field)) for field in (*SYMBOLS, *own, *NONE)}
+    symbols = law.forms[form] if law else ()
+    texts = {field: entries.get(field, NONE.get(field)) for field in (*SYMBOLS, *symbols, *NONE)}
     for field, text in (texts | given).items():
         try:
             values[field] = _value(field, text)
@@ -153,11 +153,11 @@ def completed(entries):
 def entries_of(state, digits=6):
     """Return what `state_of` reads: symbol -> text with unit, rounded to `digits`, and names."""
     values = state.values
-    own = state.slider.friction_law.parameters
+    parameters = state.slider.friction_law.parameters
     earlier = [name for name in BEFORE if values[name] is not None]
     texts = {
         name: rs.readable(BEFORE.get(name, name), values[name], digits)
-        for name in dict.fromkeys((*SYMBOLS, *own, *NONE, *earlier))
+        for name in dict.fromkeys((*SYMBOLS, *parameters, *NONE, *earlier))
     }
     if state.protocol:
         texts["protocol"] = text_of(state.protocol, digits)

@@ -138,8 +138,8 @@ def slide_hold_slide(state, text):
         if rows:
             rows.append([readable("V_lp", V_lp, 6), None, readable("t", slide, 2)])
         rows.append(["0 m/s", None, readable("t", hold, 6)])
-        fallen = direct * np.log1p(slider.K * V_lp * hold / direct)
+        fall = direct * np.log1p(slider.K * V_lp * hold / direct)
         healed = evolution * np.log1p(V_lp * hold / slider.Dc)
-        loading = (fallen + healed) / slider.K if np.isfinite(slider.K) else 0.0
+        loading = (fall + healed) / slider.K if np.isfinite(slider.K) else 0.0
         slide = (loading + SLIDE * slider.Dc) / V_lp
     return rows

@@ -14,7 +14,7 @@ from .answers import answer_branch, answer_chart, picture_of, run_job
 from .bundle import bundle
 from .deadline import Deadline, TimeUp
 from .entries import PORT, BadEntries, address_of, state_of
-from .menus import offers
+from .menus import page_data
 from .picture import study_of
 
 FIGURES = ("svg", "pdf", "png")
@@ -89,14 +89,14 @@ def standalone(entries, pinned, deadline):
     starts = [{"name": "saved", "title": "as saved", "entries": _texts(entries)}]
     size = charts.size_in_time(state_of(entries).slider, deadline) or charts.SIZES[0]
     rows = [
-        _row("hello", None, wire.answer(None, "hello", **offers(starts), live=live)),
+        _row("hello", None, wire.answer(None, "hello", **page_data(starts), live=live)),
         _row("picture", entries, first),
         *(_row("picture", texts, _picture(texts, deadline)[1]) for texts in pinned),
-        _answered(partial(answer_chart, size=size), "chart", entries, deadline),
-        *(_answered(answer_branch, "branch", entries, deadline, along=p) for p in branch.ALONG),
+        _answered_row(partial(answer_chart, size=size), "chart", entries, deadline),
+        *(_answered_row(answer_branch, "branch", entries, deadline, along=p) for p in branch.ALONG),
     ]
-    made = {"date": datetime.date.today().isoformat(), "version": version("ratestate")}
-    line = LINE.format(**{name: escape(text) for name, text in (made | {"live": live}).items()})
+    origin = {"date": datetime.date.today().isoformat(), "version": version("ratestate")}
+    line = LINE.format(**{name: escape(text) for name, text in (origin | {"live": live}).items()})
     return bundle(header["sentences"][0], line, wire.json_bytes(rows).decode())
 
 
@@ -118,9 +118,9 @@ def save_page(path, entries):
     return rs.files.replace(path, lambda partial: partial.write_text(text, encoding="utf-8"))
 
 
-def _row(ask, entries, answer, **more):
+def _row(ask, entries, answer, **extra):
     """Return what js/server/recording.js plays if the page asks this."""
-    return {"ask": ask, "entries": entries, "answer": base64.b64encode(answer).decode(), **more}
+    return {"ask": ask, "entries": entries, "answer": base64.b64encode(answer).decode(), **extra}
 
 
 def _texts(entries):
@@ -132,7 +132,7 @@ def _picture(entries, deadline):
     return header, wire.answer(1, "picture", arrays, **header)
 
 
-def _answered(job, ask, entries, deadline, **more):
+def _answered_row(job, ask, entries, deadline, **extra):
     """Return the row with the answer of a job, or why there is none."""
-    reply, _ = run_job(job, wire.Question(1, ask, entries, **more), deadline)
-    return _row(ask, entries, reply, **more)
+    reply, _ = run_job(job, wire.Question(1, ask, entries, **extra), deadline)
+    return _row(ask, entries, reply, **extra)

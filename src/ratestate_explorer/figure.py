@@ -67,12 +67,12 @@ def _caption(study, state, notes):
     values, before = state.values, state.before
     label = next(law.label for law in rs.laws.catalogue() if law.name == state.slider.law)
     parts = [f"{label},"]
-    when = "in the end" if state.protocol else "since time 0"
+    moment = "in the end" if state.protocol else "since time 0"
     for symbol in dict.fromkeys((*SYMBOLS, *state.slider.friction_law.parameters)):
         text = rs.plot.value_text(symbol, values[symbol])
         if before and before.values[symbol] != values[symbol]:
             earlier = rs.plot.value_text(symbol, before.values[symbol]).partition(" = ")[2]
-            text = f"{text} {when} ({earlier} before)"
+            text = f"{text} {moment} ({earlier} before)"
         parts.append(f"{text},")
     if state.kick:
         parts.append(f"V times {state.kick:.4g} at time 0,")
@@ -97,13 +97,13 @@ def _writing():
 
 def _written(fig, form, state):
     """Return a figure as bytes, with what it shows; the same bytes each time."""
-    what = urlencode(entries_of(state))
-    made = f"ratestate {version('ratestate')}"
+    query = urlencode(entries_of(state))
+    creator = f"ratestate {version('ratestate')}"
     metadata = {
-        "svg": {"Title": "ratestate", "Description": what, "Creator": made, "Date": None},
-        "pdf": {"Title": "ratestate", "Subject": what, "Creator": made, "CreationDate": None},
-        "png": {"Title": "ratestate", "Description": what, "Software": made},
+        "svg": {"Title": "ratestate", "Description": query, "Creator": creator, "Date": None},
+        "pdf": {"Title": "ratestate", "Subject": query, "Creator": creator, "CreationDate": None},
+        "png": {"Title": "ratestate", "Description": query, "Software": creator},
     }
-    into = io.BytesIO()
-    fig.savefig(into, format=form, dpi=DPI, metadata=metadata[form])
-    return into.getvalue()
+    buffer = io.BytesIO()
+    fig.savefig(buffer, format=form, dpi=DPI, metadata=metadata[form])
+    return buffer.getvalue()

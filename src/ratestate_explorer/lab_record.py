@@ -194,18 +194,18 @@ def quantities():
 def _problem(found):
     """Return what is wrong, with a remedy that the page has."""
     table = found.error.sentence.partition(".")[0]
-    own = REMEDIES.get(table) if found.columns else None
-    return str(rs.ParameterError(found.error.problem, own)) if own else str(found.error)
+    remedy = REMEDIES.get(table) if found.columns else None
+    return str(rs.ParameterError(found.error.problem, remedy)) if remedy else str(found.error)
 
 
 def _arrays(record):
     """Friction, a fit if any, and the load point's speed if recorded, in time; and segments."""
     names = ("friction", "friction_fit", "V_load")
     curves = {name: record[name].values for name in names if name in record}
-    which = decimated(*curves.values())
-    arrays = {name: values[which] for name, values in curves.items()}
+    rows = decimated(*curves.values())
+    arrays = {name: values[rows] for name, values in curves.items()}
     segments = {name: record[name].values for name in ("segment_t", "segment_V")}
-    return {"time": record.time.values[which], **arrays, **segments}
+    return {"time": record.time.values[rows], **arrays, **segments}
 
 
 def _begin(record):

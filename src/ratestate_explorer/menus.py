@@ -19,33 +19,33 @@ FIG1_STEP = float(np.e * paper.FIG1.V0)
 OWN = "A parameter that only this friction law has."
 
 
-def offers(starts):
+def page_data(starts):
     """Return what the page needs to begin, a dict; starts : as `presets`, the first is opened."""
     # (a page may open with a value that no slider can be centred on, such as 0 or inf)
-    usual = fields(state_of(presets()[0]["entries"]).values)
+    defaults = fields(state_of(presets()[0]["entries"]).values)
     return {
-        "fields": usual,
+        "fields": defaults,
         "laws": menu(),
         "presets": starts,
-        "prefixes": {one.unit: one.prefixes for one in rs.QUANTITIES.values() if one.prefixes},
+        "prefixes": {q.unit: q.prefixes for q in rs.QUANTITIES.values() if q.prefixes},
         "before": BEFORE,
         "experiment": EXPERIMENT,
-        "meanings": meanings(field["symbol"] for field in usual),
+        "meanings": meanings(field["symbol"] for field in defaults),
         "longest": TEXT_LIMITS,
         "span": charts.SPAN,
     }
 
 
-def fields(usual):
+def fields(defaults):
     """Return list of dicts: symbol, name, unit, usual value [SI], and whether it is marked.
 
     Fields that only some laws and forms of friction have come last, with the text that they begin
     with.
     """
     laws = rs.laws.catalogue()
-    own = [[*law.forms.values()][:1] for law in laws] + [law.forms.values() for law in laws]
-    begin = {symbol: example(symbol) for forms in own for form in forms for symbol in form} | NONE
-    rows = [{"symbol": symbol, "usual": usual[symbol]} for symbol in SYMBOLS]
+    lists = [[*law.forms.values()][:1] for law in laws] + [law.forms.values() for law in laws]
+    begin = {symbol: example(symbol) for forms in lists for form in forms for symbol in form} | NONE
+    rows = [{"symbol": symbol, "usual": defaults[symbol]} for symbol in SYMBOLS]
     rows += [
         {"symbol": symbol, "usual": rs.to_si(symbol, example(symbol)), "text": text}
         for symbol, text in begin.items()
@@ -73,7 +73,7 @@ def menu():
             "name": law.name,
             "names": law.names,
             "label": law.label,
-            "forms": {form: [*own, *NONE] for form, own in law.forms.items()},
+            "forms": {form: [*symbols, *NONE] for form, symbols in law.forms.items()},
         }
         for law in rs.laws.catalogue()
     ]

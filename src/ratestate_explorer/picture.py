@@ -73,8 +73,8 @@ def _settled(state, cycle, orbit, deadline):
         cycle, orbit = _attractor(slider, V_lp, deadline)
     if state.kick is not None and rs.stability(slider, V_lp).stable:
         # A kick may lead from steady sliding to a stable cycle.
-        beside = Settled(slider, V_lp, orbit).on_cycle
-        return Settled(slider, V_lp), [BESIDE] if beside else []
+        has_cycle = Settled(slider, V_lp, orbit).on_cycle
+        return Settled(slider, V_lp), [BESIDE] if has_cycle else []
     if not isinstance(cycle, rs.SolverError):
         return Settled(slider, V_lp, orbit), []
     return Settled(slider, V_lp), [
@@ -178,7 +178,7 @@ def _curves(name, run, sigma, t_zero, paths=()):
     paths : keys of `PATHS`, of which the displacement since the start of the run is sent
     """
     if run is None:
-        return {f"{name}_{what}": np.empty(0) for what in ("time", "stress", "mu", "V", *paths)}
+        return {f"{name}_{curve}": np.empty(0) for curve in ("time", "stress", "mu", "V", *paths)}
     curves = {
         "time": run.time.values - t_zero,
         "stress": (run.tau / run.get("sigma", sigma)).values,
@@ -190,8 +190,8 @@ def _curves(name, run, sigma, t_zero, paths=()):
         curves[path] = displacement - displacement[0]
     if "sigma" in run:
         curves["sigma"] = run.sigma.values
-    which = decimated(curves["stress"], curves["V"])
-    return {f"{name}_{what}": values[which] for what, values in curves.items()}
+    rows = decimated(curves["stress"], curves["V"])
+    return {f"{name}_{curve}": values[rows] for curve, values in curves.items()}
 
 
 def decimated(*curves):

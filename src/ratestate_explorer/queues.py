@@ -18,14 +18,14 @@ class QuestionQueue:
     """A queue of questions, each answered by all jobs in turn: (question, deadline) -> bytes.
 
     After a job that fails the others are left out, because they would fail too.  A part of a job
-    may take `seconds`, and all of it `whole`.  If more than `capacity` questions wait, the oldest
+    may take `seconds`, and all of it `total`.  If more than `capacity` questions wait, the oldest
     is dropped.  A job goes on for `patience` [s] after a newer question has come, or to its end if
     `patience` is None.
     """
 
-    def __init__(self, pool, jobs, *, seconds, whole=float("inf"), capacity=1, patience=None):
+    def __init__(self, pool, jobs, *, seconds, total=float("inf"), capacity=1, patience=None):
         self.pool, self.jobs, self.patience = pool, jobs, patience
-        self.seconds, self.whole = seconds, whole
+        self.seconds, self.total = seconds, total
         self.waiting: asyncio.Queue[wire.Question] = asyncio.Queue(capacity)
         self.deadline = Deadline(seconds)
 
@@ -46,7 +46,7 @@ class QuestionQueue:
             for job in self.jobs:
                 if self.patience is not None and not self.waiting.empty():
                     break  # for a newer question, which came between two jobs
-                deadline = self.deadline = Deadline(self.seconds, self.whole)
+                deadline = self.deadline = Deadline(self.seconds, self.total)
                 deadline.start()
                 work = loop.run_in_executor(self.pool, run_job, job, question, deadline)
                 try:
@@ -65,15 +65,15 @@ class Kind(NamedTuple):
 
     law: str
     friction_form: str
-    own: tuple[str, ...]  # symbols of the parameters that law, friction and damping bring
+    symbols: tuple[str, ...]  # of the parameters that law, friction and damping bring
     sigma_varies: bool
 
 
 def kind_of(state):
     """Return the `Kind` of a `PageState`."""
     slider = state.slider
-    own = tuple(slider.friction_law.parameters)
-    return Kind(slider.law, slider.friction_form, own, state.sigma_varies)
+    symbols = tuple(slider.friction_law.parameters)
+    return Kind(slider.law, slider.friction_form, symbols, state.sigma_varies)
 
 
 class Kernels:

@@ -54,13 +54,13 @@ class Settled(NamedTuple):
             return {"V_start": self.V_lp}, rounded(lead)
         period = float(self.orbit.time[-1])
         lead = rounded(min(lead, LEAD_CYCLES * period))
-        since = -lead % period  # time from the maximum before the start to the start
+        after_maximum = -lead % period  # time from the maximum before the start to the start
         run = rs.simulate(
             self.slider,
             rs.Loading.constant(self.V_lp),
-            since or period,
+            after_maximum or period,
             initial=self._state_of(self.orbit, 0),
-            times=[since],
+            times=[after_maximum],
             rtol=LEAD_RTOL,
         )
         return {"initial": self._state_of(run, -1)}, lead
@@ -109,20 +109,20 @@ def plan_of(verdict, orbit):
 
 def transient_note(verdict, orbit):
     """Return a sentence if the run ends before the transient has decayed; else ""."""
-    decay, most = durations(verdict, orbit)
-    if decay <= most:
+    decay, longest = durations(verdict, orbit)
+    if decay <= longest:
         return ""
-    cycles = most * (1.0 / verdict.period if verdict.period else verdict.omega / (2.0 * np.pi))
-    what = "cycles" if verdict.period else "oscillations"
-    return f"The run shown is {cycles:.3g} {what} long. Its transient has not decayed by then."
+    cycles = longest * (1.0 / verdict.period if verdict.period else verdict.omega / (2.0 * np.pi))
+    unit = "cycles" if verdict.period else "oscillations"
+    return f"The run shown is {cycles:.3g} {unit} long. Its transient has not decayed by then."
 
 
 def durations(verdict, orbit):
     """Return the duration of the transient [s], and the longest that shows single cycles [s]."""
     if verdict.period:
-        most = max(min(MOST_CYCLES, MOST_POINTS / orbit.sizes["time"]), 2.0)
-        decay = max(DECAYS * verdict.fade, min(FEWEST_CYCLES, most))
-        return verdict.period * decay, verdict.period * most
+        longest = max(min(MOST_CYCLES, MOST_POINTS / orbit.sizes["time"]), 2.0)
+        decay = max(DECAYS * verdict.fade, min(FEWEST_CYCLES, longest))
+        return verdict.period * decay, verdict.period * longest
     if verdict.amplitude is not None and verdict.growth_rate < 0.0:
         decay = 3.0 * DECAYS * np.log(10.0) / -verdict.growth_rate
         rings = MOST_CYCLES * 2.0 * np.pi / verdict.omega if verdict.omega > 0.0 else np.inf

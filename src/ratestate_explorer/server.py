@@ -70,8 +70,8 @@ def listen(port=None):
         if port is None:
             return listen(0)
         in_use = error.errno == errno.EADDRINUSE
-        what = "is in use" if in_use else f"cannot be used: {error.strerror}"
+        problem = "is in use" if in_use else f"cannot be used: {error.strerror}"
         raise rs.ParameterError(
-            f"port = {port} {what}. Give another port, or none: the explorer then chooses one."
+            f"port = {port} {problem}. Give another port, or none: the explorer then chooses one."
         ) from None
     return listening

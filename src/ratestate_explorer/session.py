@@ -12,7 +12,7 @@ from .answers import answer_branch, answer_chart, answer_picture, answer_rows, r
 from .deadline import Deadline
 from .entries import BadEntries, state_of
 from .exports import answer_file
-from .menus import example, offers, presets
+from .menus import example, page_data, presets
 from .queues import Kernels, QuestionQueue, kind_of
 
 # Downloads: how many may wait; seconds for one, and for each part of its work.
@@ -62,13 +62,13 @@ class Session:
         in_pool = partial(QuestionQueue, shared.pool, seconds=picture.SECONDS)
         of_charts = partial(QuestionQueue, shared.chart_pool, seconds=charts.SECONDS, patience=0.0)
         of_files = partial(QuestionQueue, shared.file_pool, [answer_file], capacity=CAPACITY)
-        self.queues = dict.fromkeys(wire.FILES, of_files(seconds=PART_SECONDS, whole=SECONDS)) | {
+        self.queues = dict.fromkeys(wire.FILES, of_files(seconds=PART_SECONDS, total=SECONDS)) | {
             "picture": in_pool([answer_picture], patience=PATIENCE),
             "slide-hold-slide": in_pool([answer_rows]),
             "chart": of_charts(surveys),
             "window": of_charts([answer_chart]),
             "branch": of_charts([answer_branch], seconds=branch.SECONDS),
-            "page": of_files(seconds=PAGE_PART_SECONDS, whole=PAGE_SECONDS),
+            "page": of_files(seconds=PAGE_PART_SECONDS, total=PAGE_SECONDS),
         }
 
     async def serve(self):
@@ -78,7 +78,7 @@ class Session:
         tasks = [asyncio.create_task(queue.work(self.prepare, self.send)) for queue in queues]
         try:
             header = {"page": self.token, "largest_file": lab_record.LARGEST}
-            header |= {"too_large": lab_record.too_large(), **offers(presets())}
+            header |= {"too_large": lab_record.too_large(), **page_data(presets())}
             await self.send(wire.answer(None, "hello", **header))
             while (message := await self.socket.receive())["type"] != "websocket.disconnect":
                 await self.take(message.get("text") or "")
@@ -141,7 +141,7 @@ class Session:
 
 def warm_up(kind, deadline):
     """Do all work once for a `Kind`; `Stopped` if it was cancelled."""
-    entries = presets()[0]["entries"] | {symbol: example(symbol) for symbol in kind.own}
+    entries = presets()[0]["entries"] | {symbol: example(symbol) for symbol in kind.symbols}
     entries |= {"law": kind.law, "friction_form": kind.friction_form}
     if kind.sigma_varies:
         entries["sigma_from"] = example("sigma")

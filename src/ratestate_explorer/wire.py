@@ -100,9 +100,9 @@ def answer(number, kind, arrays=None, content=b"", **header):
     content : bytes, of a file
     """
     parts = {name: np.ascontiguousarray(a, "<f8") for name, a in (arrays or {}).items()}
-    whole = {"id": number, "kind": kind, **header}
-    whole["arrays"] = [[name, a.size] for name, a in parts.items()]
-    text = json_bytes(whole)
+    head = {"id": number, "kind": kind, **header}
+    head["arrays"] = [[name, a.size] for name, a in parts.items()]
+    text = json_bytes(head)
     text += b" " * (-(4 + len(text)) % 8)
     numbers = (a.tobytes() for a in parts.values())
     return b"".join([struct.pack("<I", len(text)), text, *numbers, content])

@@ -194,7 +194,7 @@ def test_a_return_from_the_section_takes_a_whole_period(barrier):
     system = System("aging+regularized", np.full(n, 0.885), p, np.full(n, 0.0309), infinite)
     u = rng.uniform(0.1, 1.0, (n, 2))
     returns = return_map(system, state(system, u), np.full(n, 1e-6))
-    assert returns.came_back.all()
+    assert returns.has_returned.all()
     period = returns.numbers["period"]
     assert 6.0 < period.min() < period.max() < 12.0
 

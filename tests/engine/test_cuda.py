@@ -240,7 +240,7 @@ def returns(law):
             observe=True,
             period=np.linspace(3.0, 9.0, 7),
         )
-    back = found.came_back
+    back = found.has_returned
     out = {"status": found.status, "image": found.image[back], "jacobian": found.jacobian[back]}
     out |= {name: found.numbers[name][back] for name in RETURN_NUMBERS}
     slopes = {name: found.gradients[name][back] for name in DERIVATIVES}

@@ -27,7 +27,7 @@ def test_derivative_by_differences(law, eta):
     """Of the map, the period and the lowest stress; by differences of much finer returns."""
     system, y = random_sliders(law, 12, eta)
     returns = return_map(system, y, 1e-9)
-    assert returns.came_back.all()
+    assert returns.has_returned.all()
     assert np.abs(returns.jacobian[:, 0, 0]).max() > 1e-4  # there is something to see
     # eta d G is lost in the rounding of x where eta is small, and so is G
     for column, name in enumerate("ab" if eta > 1e-4 else "a"):
@@ -206,7 +206,7 @@ def test_each_return_has_its_status(law):
     assert returns.status.tolist() == [FINISHED, STEADY_SLIDING, RUNAWAY, NOT_FINITE]
     assert np.isnan(returns.image[1:]).all()
     assert np.isfinite(returns.image[0]).all()
-    assert returns.came_back.tolist() == [True, False, False, False]
+    assert returns.has_returned.tolist() == [True, False, False, False]
     # nothing is steady that is not asked to be
     assert return_map(system, y, 1e-6).status[1] == FINISHED
 

@@ -356,7 +356,7 @@ class TestPicture:
         assert not deadline.is_set()
 
     def test_a_deadline_that_is_restarted_ends_at_its_total_time(self):
-        deadline = Deadline(60.0, whole=0.05)
+        deadline = Deadline(60.0, total=0.05)
         begin = time.monotonic()
         while not deadline.is_set() and time.monotonic() < begin + 5.0:
             deadline.start()

@@ -28,7 +28,7 @@ def random_sliders(law, n, eta=None, seed=5):
     softness = 10 ** rng.uniform(-4, -0.2, n)
     system = make_system(law, (1 - softness) * (beta - 1), beta, eta)
     first = return_map(system, steady_start(system), 1e-6)
-    assert first.came_back.all()
+    assert first.has_returned.all()
     return system, state(system, first.image)
 
 

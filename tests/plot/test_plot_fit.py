@@ -13,7 +13,7 @@ from synthetic_records import SLIDER, STEP, record
 import ratestate as rs
 from ratestate import ParameterError, plot
 from ratestate.model.quantities import with_error
-from ratestate.plot.curves import MOST, _envelope, record_of
+from ratestate.plot.curves import MAX_SAMPLES, _envelope, record_of
 from ratestate.plot.figures.fit_parts import SIZE, likelihood, non_gaussian, write
 from ratestate.records.fitting.by_law import results_by_law, stiffness_over_critical
 
@@ -171,9 +171,9 @@ def test_data_that_are_not_fits_are_refused(both):
 
 def test_many_samples_lose_no_noise():
     rng = np.random.default_rng(0)
-    x, y = np.arange(3.5 * MOST), rng.normal(size=int(3.5 * MOST))
+    x, y = np.arange(3.5 * MAX_SAMPLES), rng.normal(size=int(3.5 * MAX_SAMPLES))
     thin_x, thin_y = _envelope(x, y)
-    assert 0.5 * MOST < thin_x.size <= MOST
+    assert 0.5 * MAX_SAMPLES < thin_x.size <= MAX_SAMPLES
     assert (thin_y.min(), thin_y.max()) == (y.min(), y.max())
     first = y[x < thin_x[2]]
     assert set(thin_y[:2]) == {first.min(), first.max()}

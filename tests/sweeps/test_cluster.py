@@ -153,7 +153,7 @@ def once_done(monkeypatch):
 @pytest.fixture(autouse=True)
 def often(monkeypatch):
     """Look after workers all the time."""
-    monkeypatch.setattr(cluster, "LOOK", 0.05)
+    monkeypatch.setattr(cluster, "COUNT_INTERVAL", 0.05)
 
 
 def deaths(client):
@@ -264,7 +264,7 @@ def test_without_workers_it_waits_until_they_come(cycles, alone, monkeypatch, ca
     cycles(Slow)
     monkeypatch.setattr(cluster, "PATIENCE", 0.1)
     said = "ratestate: the cluster has no workers. Waiting for some ...\n"
-    Slow.most, look, heard = 0, cluster.Cluster._look, []
+    Slow.most, look, heard = 0, cluster.Cluster._count_threads, []
 
     def interrupt(work):
         heard.append(capfd.readouterr().err)
@@ -273,10 +273,10 @@ def test_without_workers_it_waits_until_they_come(cycles, alone, monkeypatch, ca
         return look(work)
 
     with local_cluster(0) as client:
-        monkeypatch.setattr(cluster.Cluster, "_look", interrupt)
+        monkeypatch.setattr(cluster.Cluster, "_count_threads", interrupt)
         with pytest.raises(KeyboardInterrupt):
             sweep("limit_cycle", client=client, chunk=4)
-        monkeypatch.setattr(cluster.Cluster, "_look", look)
+        monkeypatch.setattr(cluster.Cluster, "_count_threads", look)
         assert "".join(heard) == said
         with meanwhile(lambda: client.cluster.scale(4), lambda: capfd.readouterr().err == said):
             found = sweep("limit_cycle", client=client, chunk=2)

@@ -417,7 +417,7 @@ def test_a_sweep_outlives_its_jobs(slurm, monkeypatch, capfd, tmp_path):
             go_on.touch()
 
     monkeypatch.setattr(slurm_module, "POLL", 0.2)
-    monkeypatch.setattr(cluster, "LOOK", 0.2)
+    monkeypatch.setattr(cluster, "COUNT_INTERVAL", 0.2)
     monkeypatch.setattr(Jobs, "maintain", cancel_one)
     arguments = {"V_lp": 1e-2, "progress": False}
     slurm_options = "jobs=2,cores=1,memory=1GB,interface=lo"

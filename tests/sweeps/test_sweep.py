@@ -358,7 +358,7 @@ def test_threads_share_the_cores(monkeypatch, kind, numbers, threads):
     class Tasks:
         device, chunks = kind, Chunks({"M": 3}, (1,))
 
-        def do(self, i, part, progress, threads, stop):
+        def solve(self, i, part, progress, threads, stop):
             seen.append((i, part.batch.n, threads))
             stops.append((stop, stop.is_set()))
             progress(1.0)

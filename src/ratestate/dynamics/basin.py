@@ -107,10 +107,10 @@ def escape(slider, V_lp):
     batch = Batch({**check_slider(slider).values, "V_lp": V_lp}, reserved=VARIABLES)
     batch.check_fits(len(VARIABLES), "Ask for fewer at a time.")
     system = system_of(slider.friction_law.name, **batch.columns)
-    alone = batch.shape == ()
+    is_single = batch.shape == ()
     with bar("escape") as progress:
-        sizes, outcome, u = _smallest_escapes(system, batch.columns, alone, progress)
-    if alone and outcome[0] == "unknown":
+        sizes, outcome, u = _smallest_escapes(system, batch.columns, is_single, progress)
+    if is_single and outcome[0] == "unknown":
         raise SolverError(f"an orbit from disturbed sliding could not be followed\n{slider!r}")
     cycles = _cycles_around(system, batch.columns, np.flatnonzero(outcome == "cycle"), u)
     p = columns(batch)
@@ -129,7 +129,7 @@ def escape(slider, V_lp):
     return recorded_result("escape", slider, batch, variables, VARIABLES, V_lp=V_lp)
 
 
-def _cycles_around(system, columns, which, u):
+def _cycles_around(system, columns, rows, u):
     """Return the measures `CYCLES` of these sliders, name -> (n,).
 
     As the stiffness increases the two cycles meet in a fold: the branch from the stable cycle comes
@@ -139,12 +139,12 @@ def _cycles_around(system, columns, which, u):
     u : (n, k) near the stable cycles
     """
     result = {name: np.full(len(u), np.nan) for name in CYCLES}
-    part = system.at(which)
-    attractors = find_attractors(part, state(part, u[which]), CYCLE_RTOL, None)
+    part = system.at(rows)
+    attractors = find_attractors(part, state(part, u[rows]), CYCLE_RTOL, None)
     stable = refine(part, attractors, CYCLE_RTOL)
-    result["amplitude"][which], result["period"][which] = stable["amplitude"], stable["period"]
+    result["amplitude"][rows], result["period"][rows] = stable["amplitude"], stable["period"]
     single = attractors.n_returns == 1  # as of the unstable cycle that meets it
-    for i, u_i in zip(which[single], attractors.u[single], strict=True):
+    for i, u_i in zip(rows[single], attractors.u[single], strict=True):
         values = {symbol: float(column[i]) for symbol, column in columns.items()}
         family, p = CycleFamily(system.law, values, "K", CYCLE_RTOL), np.log(values["K"])
         branch = family.branch(family.chart(u_i[None], p)[0], p, stop=p + np.log(FARTHEST_FOLD))
@@ -158,20 +158,20 @@ def _cycles_around(system, columns, which, u):
     return result
 
 
-def _smallest_escapes(system, columns, alone, progress):
+def _smallest_escapes(system, columns, is_single, progress):
     """Return the smallest sizes (4, n) that leave the basin, the outcome, and u of a cycle.
 
-    alone : whether SolverError is raised if an edge of runaway cannot be followed
+    is_single : whether SolverError is raised if an edge of runaway cannot be followed
     """
     stable = system.stable & (system.margin != 0.0)
     sizes = np.where(stable, np.inf, 0.0) * np.ones((4, 1))
     outcome = np.where(stable, "none", "no steady sliding").astype("<U17")
-    u = _nowhere(system)
+    u = _unknown_points(system)
     may_leave = stable & system.may_cycle
     if law_edge := EDGES.get(system.friction_law.name):
         for i in np.flatnonzero(may_leave & (system.eta == 0.0)):
             edge = system.kappa[i], system.beta[i], SIZES[-1]
-            sizes[:, i], outcome[i] = _runaway(law_edge, edge, alone)
+            sizes[:, i], outcome[i] = _runaway(law_edge, edge, is_single)
         may_leave &= system.eta > 0.0
     may_leave = np.flatnonzero(may_leave)
     steps = _largest_steps(system, columns)
@@ -179,20 +179,20 @@ def _smallest_escapes(system, columns, alone, progress):
     part = system.at(slider)
     largest = np.where(kind < 2, steps[np.minimum(kind, 1), slider], SIZES[-1])
     smallest, status, ends = _search(part, kind, largest, progress)
-    lost = ~np.isin(status, [STEADY_SLIDING, *OUTCOMES])
+    is_unknown = ~np.isin(status, [STEADY_SLIDING, *OUTCOMES])
     unsettled = np.flatnonzero(status == NO_CONVERGENCE)
     if len(unsettled):
-        lost[unsettled] = ~_is_irregular(part.at(unsettled), ends[unsettled])
-    sizes[:, may_leave] = np.where(lost, np.nan, smallest).reshape(4, -1)
+        is_unknown[unsettled] = ~_is_irregular(part.at(unsettled), ends[unsettled])
+    sizes[:, may_leave] = np.where(is_unknown, np.nan, smallest).reshape(4, -1)
     for code, name in OUTCOMES.items():
         outcome[slider[status == code]] = name
-    outcome[slider[lost]] = "unknown"
+    outcome[slider[is_unknown]] = "unknown"
     cycle = status == FINISHED
     u[slider[cycle]] = ends[cycle]
     return sizes, outcome, u
 
 
-def _runaway(law_edge, edge, alone):
+def _runaway(law_edge, edge, is_single):
     """Return the smallest sizes (4,) that run away without inertia, by the law's own edge.
 
     Also returns the outcome, which is "unknown" if the edge cannot be followed.
@@ -200,7 +200,7 @@ def _runaway(law_edge, edge, alone):
     try:
         step_up, *kicks = law_edge(*edge)
     except SolverError:
-        if alone:
+        if is_single:
             raise
         return np.nan, "unknown"
     sizes = np.array([step_up, np.inf, *kicks])
@@ -216,24 +216,24 @@ def _search(system, kind, largest, progress):
     """
     n = len(kind)
     low, high = np.zeros(n), np.full(n, np.inf)
-    status, u = np.full(n, STEADY_SLIDING), _nowhere(system)
-    trial, which = np.minimum(SIZES, largest[:, None]), np.arange(n)
-    while len(which):
+    status, u = np.full(n, STEADY_SLIDING), _unknown_points(system)
+    trial, rows = np.minimum(SIZES, largest[:, None]), np.arange(n)
+    while len(rows):
         m = trial.shape[1]
-        part = system.at(np.repeat(which, m))
-        start = _disturbed(part, np.repeat(kind[which], m), trial.ravel())
+        part = system.at(np.repeat(rows, m))
+        start = _disturbed(part, np.repeat(kind[rows], m), trial.ravel())
         loosest = ORBIT_RTOL * np.clip(trial.ravel(), 1e-5, 1.0)
         attractors = find_attractors(part, start, RTOL, progress, loosest)
         leaves = (attractors.status != STEADY_SLIDING).reshape(-1, m)
-        first, some = leaves.argmax(axis=1), leaves.any(axis=1)
-        row, inside = np.arange(len(which)), np.where(some, first, m) - 1
-        low[which] = np.where(inside < 0, low[which], trial[row, inside])
-        at, cell = which[some], row[some] * m + first[some]
-        high[at], status[at] = trial[some, first[some]], attractors.status[cell]
+        first, has_left = leaves.argmax(axis=1), leaves.any(axis=1)
+        row, inside = np.arange(len(rows)), np.where(has_left, first, m) - 1
+        low[rows] = np.where(inside < 0, low[rows], trial[row, inside])
+        at, cell = rows[has_left], row[has_left] * m + first[has_left]
+        high[at], status[at] = trial[has_left, first[has_left]], attractors.status[cell]
         u[at] = attractors.u[cell]
-        which = np.flatnonzero(np.isfinite(high) & (high - low > ACCURACY * high))
-        gap = high[which] - low[which]
-        trial = low[which, None] + gap[:, None] * np.arange(1, PARTS) / PARTS
+        rows = np.flatnonzero(np.isfinite(high) & (high - low > ACCURACY * high))
+        gap = high[rows] - low[rows]
+        trial = low[rows, None] + gap[:, None] * np.arange(1, PARTS) / PARTS
     return high, status, u
 
 
@@ -256,10 +256,10 @@ def _disturbed(system, kind, size):
     at_once = (kind >= 2) & (system.eta == 0.0)  # without mass friction follows the stress
     law, psi, p = system.friction_law, tuple(y[:, 2:].T), system.coefficients
 
-    def off(v):
+    def excess_stress(v):
         return law.at(v, psi, p).S - y[:, 0]
 
-    y[:, 1] = np.where(at_once, root(off, y[:, 1], at_once), y[:, 1])
+    y[:, 1] = np.where(at_once, root(excess_stress, y[:, 1], at_once), y[:, 1])
     return y
 
 
@@ -272,11 +272,11 @@ def _largest_steps(system, columns):
     lower, upper = V_c(system.friction_law, **{name: columns[name] for name in names})
     V_lp, farthest = columns["V_lp"], SIZES[-1]
     with np.errstate(divide="ignore"):  # V_c may be 0 or inf
-        up = np.where(V_lp > upper, np.log(V_lp / upper), np.inf)
-        down = np.where(V_lp < lower, np.log(lower / V_lp), np.inf)
-    return np.minimum([up, down], farthest)
+        upwards = np.where(V_lp > upper, np.log(V_lp / upper), np.inf)
+        downwards = np.where(V_lp < lower, np.log(lower / V_lp), np.inf)
+    return np.minimum([upwards, downwards], farthest)
 
 
-def _nowhere(system):
+def _unknown_points(system):
     """Return unknown points (n, k) of the section."""
     return np.full((len(system.kappa), 1 + len(system.friction_law.states)), np.nan)

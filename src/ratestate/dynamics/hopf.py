@@ -100,8 +100,8 @@ def hopf(slider, V_lp=None):
     result = xarray.Dataset({s: batch.variable(columns[s], s) for s in VARIABLES}, coords)
     result["frequency"].attrs["long_name"] = "frequency at the Hopf bifurcation"
     result["lyapunov_1"].attrs["comment"] = "dr/dt = growth_rate r + lyapunov_1 r^3, r of ln V"
-    over = "sqrt(|V_lp/V_c - 1|)" if V_lp is None else "sqrt(|K/K_c - 1|)"
-    result["amplitude_coefficient"].attrs["comment"] = f"amplitude of small cycles over {over}"
+    distance = "sqrt(|V_lp/V_c - 1|)" if V_lp is None else "sqrt(|K/K_c - 1|)"
+    result["amplitude_coefficient"].attrs["comment"] = f"amplitude of small cycles over {distance}"
     return result.assign_attrs(slider=repr(slider), law=slider.law, parameter=parameter)
 
 

@@ -38,7 +38,7 @@ class Bar:
             self.drawn.stop()
 
     @property
-    def due(self):
+    def is_due(self):
         """Whether the work has taken long enough for a bar."""
         return time.monotonic() - self.begin >= PATIENCE
 
@@ -81,17 +81,17 @@ def bar(label):
     if not on_terminal():
         yield None
         return
-    with Bar(label) as drawn:
-        drawn.begin = math.inf
+    with Bar(label) as shown_bar:
+        shown_bar.begin = math.inf
 
         def update(fraction):
-            drawn.begin = min(drawn.begin, time.monotonic())
-            if drawn.due:
+            shown_bar.begin = min(shown_bar.begin, time.monotonic())
+            if shown_bar.is_due:
                 description = f"{fraction:4.0%}"
                 if fraction > 0.0:
-                    passed = time.monotonic() - drawn.begin
+                    passed = time.monotonic() - shown_bar.begin
                     description += f", {duration(passed * (1.0 / fraction - 1.0))} left"
-                drawn.show(fraction, description)
+                shown_bar.show(fraction, description)
 
         yield update
 

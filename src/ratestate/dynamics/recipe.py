@@ -20,7 +20,7 @@ from ..model.units import is_array
 from .refusals import refusal
 
 #: longest column in an attribute, which holds 64 KiB in a NetCDF file; longer ones are variables
-MANY = 1000
+LONGEST_COLUMN = 1000
 
 
 @functools.cache
@@ -76,7 +76,7 @@ def _plain(result, name, symbol, value):
         return value
     if symbol == "times":
         return {"variable": "t" if is_array(value) else "time"}
-    if not is_array(value) and value.size <= MANY:
+    if not is_array(value) and value.size <= LONGEST_COLUMN:
         return value.tolist()
     known = result.coords.get(symbol)
     if is_array(value) and known is not None and known.variable.equals(value.variable):
@@ -141,8 +141,8 @@ def recorded_call(result):
 def recorded_loading(result):
     """Return the `Loading` that a result records, or None if it cannot be made again."""
     try:
-        own = "loading" in result.attrs  # of a fit, or from an earlier version
-        calls = from_json(result, "loading") if own else recorded(result).get("loading")
+        has_loading = "loading" in result.attrs  # of a fit, or from an earlier version
+        calls = from_json(result, "loading") if has_loading else recorded(result).get("loading")
         return _loading(result, calls)
     except ParameterError:
         return None
@@ -239,8 +239,8 @@ def _old_array(result, symbol, value):
     except (ValueError, TypeError, OverflowError):
         raise refusal("attributes.altered", name="slider") from None
     if coordinate is not None:
-        same = np.isclose(np.asarray(coordinate)[..., None], array.values.ravel(), 1e-14, 0.0)
-        if same.any(axis=-1).all():  # else it only labels a dimension
+        is_equal = np.isclose(np.asarray(coordinate)[..., None], array.values.ravel(), 1e-14, 0.0)
+        if is_equal.any(axis=-1).all():  # else it only labels a dimension
             return coordinate if coordinate.ndim else coordinate.item()
     if any(result.sizes.get(dim) != size for dim, size in array.sizes.items() if dim != "segment"):
         raise refusal("attributes.no_coordinate", symbol=symbol)

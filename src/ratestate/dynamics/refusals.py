@@ -20,7 +20,7 @@ def check_one_length(function, law):
     """Raise ParameterError, for a function by name, unless a law, by name, is of one length."""
     if not composed_law(law).one_length:
         names = " and ".join(map(repr, one_length_laws()))
-        own, *parts = law.split(PART_MARK)
+        base_name, *parts = law.split(PART_MARK)
         parts = [f"friction = {part!r}" if part in FORMS else part for part in parts]
-        law = " with ".join(filter(None, (repr(own), " and ".join(parts))))
+        law = " with ".join(filter(None, (repr(base_name), " and ".join(parts))))
         raise refusal("law.one_length", function=function, law=law, names=names)

@@ -88,8 +88,8 @@ def provenance(function, slider, **settings):
     """
     known = {symbol: x for symbol, x in slider.parameters.items() if not is_array(x)}
     given = {name: value for name, value in settings.items() if value is not None}
-    own = {"title": f"ratestate {function}", "slider": json.dumps(known)}
-    return {**own, **given, "versions": versions()}
+    attributes = {"title": f"ratestate {function}", "slider": json.dumps(known)}
+    return {**attributes, **given, "versions": versions()}
 
 
 def parameter(result, symbol):
@@ -121,8 +121,8 @@ def parameter(result, symbol):
     if value is None:
         raise refusal("attributes.no_parameter", symbol=symbol)
     if symbol == "law":
-        own = result.coords.get("law")  # of a case of results that were joined
-        return law_name(value if own is None or own.ndim else own.item())
+        law = result.coords.get("law")  # of a case of results that were joined
+        return law_name(value if law is None or law.ndim else law.item())
     if symbol == "friction_form":
         return form_name(value)
     value = value_of(result, symbol, value)
@@ -213,8 +213,8 @@ def whole_contact(result):
     found = {}
     if "tau" in result:
         found["force"] = force(result["tau"], area)
-        held = sigma * result["mu"] + parameter(result, "damping") * result["V"]
-        found["acceleration"] = (result["tau"] - held) / M
+        resistance = sigma * result["mu"] + parameter(result, "damping") * result["V"]
+        found["acceleration"] = (result["tau"] - resistance) / M
     if "amplitude" in result:
         stress = result["amplitude"] * sigma
         found["force_amplitude"] = force(stress, area)

@@ -88,13 +88,13 @@ def stabilize(slider, V_lp, margin=1.1):
 
 def _remedies(law, damped, *, V, K, M, **values):
     """Return the variables of `stabilize`, stacked along the last axis, from arrays (...)."""
-    own = {symbol: values[symbol] for symbol in (*law.symbols, "sigma")}
-    K_stable = np.maximum(K_c(law, V, M=M, **own), 0.0)
+    parameters = {symbol: values[symbol] for symbol in (*law.symbols, "sigma")}
+    K_stable = np.maximum(K_c(law, V, M=M, **parameters), 0.0)
     unit = values["a"] * values["sigma"]
     unit_mass = unit * values["Dc"] / V**2  # at which eta is 1
 
     def stable_with_mass(M):
-        return is_stable(law, V, K=K, M=M, **own)
+        return is_stable(law, V, K=K, M=M, **parameters)
 
     M_stable = unit_mass * _edge(stable_with_mass, unit_mass)
     M_stable = np.where(stable_with_mass(np.zeros_like(M)), M_stable, np.nan)
@@ -104,13 +104,13 @@ def _remedies(law, damped, *, V, K, M, **values):
         return ~is_stable(damped, V, K=K, M=M, damping=damping, **others)
 
     damping = unit / V * _edge(unstable_with_damping, unit / V)
-    damping = np.where(is_stable(law, V, K=K, M=M, **own), 0.0, damping)
+    damping = np.where(is_stable(law, V, K=K, M=M, **parameters), 0.0, damping)
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = np.where(M > 0.0, damping / (2.0 * np.sqrt(K * M)), np.nan)
     with_M = np.where(np.isfinite(M_stable), M_stable, 0.0)
     speeds = [
-        V_c(law, K=K_stable, M=M, **own).V_c,
-        np.where(np.isnan(M_stable), np.nan, V_c(law, K=K, M=with_M, **own).V_c),
+        V_c(law, K=K_stable, M=M, **parameters).V_c,
+        np.where(np.isnan(M_stable), np.nan, V_c(law, K=K, M=with_M, **parameters).V_c),
         V_c(damped, K=K, M=M, damping=damping, **others).V_c,
     ]
     return np.stack([K_stable, M_stable, damping, ratio, *speeds], axis=-1)
@@ -122,9 +122,9 @@ def _edge(holds, unit):
     holds : function of an array like `unit`, True below the edge and False above
     """
     low, high = (np.full(np.shape(unit), x) for x in (SMALLEST, LARGEST))
-    everywhere = holds(unit * np.exp(high))
+    is_unbounded = holds(unit * np.exp(high))
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         below = holds(unit * np.exp(middle))
         low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return np.where(everywhere, np.inf, np.exp(low))
+    return np.where(is_unbounded, np.inf, np.exp(low))

@@ -102,18 +102,19 @@ class StabilityCall(CheckedCall):
         # Without mass, and without a speed of the law's own, the speed makes no difference.
         any_speed = {} if law.has_speed_scale else {"V": 1.0}
 
-        def of_law(function, given, *dims):
+        def evaluated(function, given, *dims):
             found = call_elementwise(functools.partial(function, law), given, *dims)
             return xarray.DataArray(found, dims=dims) if dims and not is_array(found) else found
 
-        def both_speeds(law, **given):
+        def edge_speeds(law, **given):
             return np.stack(V_c(law, **given), axis=-1)
 
-        modes, speeds = of_law(eigenvalues, of_spring, "mode"), of_law(both_speeds, pick, "edge")
+        modes = evaluated(eigenvalues, of_spring, "mode")
+        speeds = evaluated(edge_speeds, pick, "edge")
         first = modes.isel(mode=0)
         results = {
-            "K_c": of_law(K_c, of_mass),
-            "K_c_qs": of_law(K_c, of_mass | any_speed | {"M": 0.0}),
+            "K_c": evaluated(K_c, of_mass),
+            "K_c_qs": evaluated(K_c, of_mass | any_speed | {"M": 0.0}),
             "eta": eta(V, **{symbol: values[symbol] for symbol in ("a", "Dc", "sigma", "M")}),
             "V_c": speeds.isel(edge=0),
             "V_c_upper": speeds.isel(edge=1),
@@ -121,8 +122,8 @@ class StabilityCall(CheckedCall):
             "eigenvalues": modes,
             "growth_rate": first.real,
             "omega": abs(first.imag),
-            "omega_c": of_law(omega_c, of_mass),
-            "stable": of_law(is_stable, of_spring),
+            "omega_c": evaluated(omega_c, of_mass),
+            "stable": evaluated(is_stable, of_spring),
         }
         return {symbol: own_variable(self.batch, symbol, x) for symbol, x in results.items()}
 
@@ -204,7 +205,7 @@ def frequency_response_call(slider, V_lp, frequency=None):
     V_lp = to_si("V_lp", V_lp)
     if frequency is None:
         frequency = _default_frequencies(check_slider(slider), V_lp)
-    frequency = to_si("frequency", _along_itself(frequency), bound="> 0")
+    frequency = to_si("frequency", _frequency_array(frequency), bound="> 0")
     return FrequencyResponseCall(check_slider(slider), V_lp, frequency)
 
 
@@ -237,13 +238,13 @@ class FrequencyResponseCall(CheckedCall):
         sliders = self.sliders
         variables = {name: sliders.variable(x, name) for name, x in self.resonances.items()}
         for name, value in _transfer(self.slider, self.batch).items():
-            whole = self.batch.variable(value, name).where(variables["stable"])
-            text = whole.attrs["long_name"]
-            gain = whole.attrs | {"long_name": f"{text}, gain"}
+            response = self.batch.variable(value, name).where(variables["stable"])
+            dims, text = response.dims, response.attrs["long_name"]
+            gain = response.attrs | {"long_name": f"{text}, gain"}
             phase = {"units": "rad", "long_name": f"{text}, phase"}
-            variables[name] = whole
-            variables[f"{name}_gain"] = xarray.Variable(whole.dims, np.abs(whole.values), gain)
-            variables[f"{name}_phase"] = xarray.Variable(whole.dims, np.angle(whole.values), phase)
+            variables[name] = response
+            variables[f"{name}_gain"] = xarray.Variable(dims, np.abs(response.values), gain)
+            variables[f"{name}_phase"] = xarray.Variable(dims, np.angle(response.values), phase)
         return variables
 
 
@@ -258,7 +259,7 @@ def _default_frequencies(slider, V_lp):
     return logspace("frequency", float(f"1e{low}"), float(f"1e{high}"), POINTS * (high - low) + 1)
 
 
-def _along_itself(frequency):
+def _frequency_array(frequency):
     """Return a list or an array of frequencies as a DataArray."""
     if isinstance(frequency, list | tuple | np.ndarray) and np.ndim(frequency) == 1:
         values = [to_si("frequency", f, bound="> 0") for f in frequency]

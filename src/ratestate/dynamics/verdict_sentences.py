@@ -140,9 +140,9 @@ def _inertia(v):
         share = v.returns * v.frequency / v.f_n
         name = "natural" if f"{share:.3g}" == "1" else "vibration"
         vibration = sentence(f"inertia.{name}", v, share=share)
-    away = abs(v.slider.K / v.K_c_qs - 1.0)
+    distance = abs(v.slider.K / v.K_c_qs - 1.0)
     rise = v.eta if v.slider.friction_law.one_length else v.K_c / v.K_c_qs - 1.0
-    if rise < min(NEGLIGIBLE_ETA, NEGLIGIBLE_PART * away):
+    if rise < min(NEGLIGIBLE_ETA, NEGLIGIBLE_PART * distance):
         name = "negligible"
     else:
         name = "small" if rise < 1.0 else "large"

@@ -126,10 +126,10 @@ def _operators(of_doubles, of_ints=None, is_test=False):
     def applied(self, other):
         return written(self.code, self, other)
 
-    def from_the_right(self, other):
+    def reflected(self, other):
         return written(self.code, other, self)
 
-    return applied, from_the_right
+    return applied, reflected
 
 
 class Value:
@@ -184,7 +184,7 @@ class Condition(Value):
     def select(self, x, y):
         """Return x if the condition holds, else y."""
         code, kind = self.code, result_kind(x, y)
-        sides = ", ".join(f"{code.type(kind)} {code.text(kind, one)}" for one in (x, y))
+        sides = ", ".join(f"{code.type(kind)} {code.text(kind, side)}" for side in (x, y))
         return code.write(f"select {code.type(Condition)} {self.name}, {sides}", kind)
 
 

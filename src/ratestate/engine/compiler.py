@@ -101,11 +101,11 @@ def kernel_text(function, layout, pointer="ptr", extra=""):
 
 def _map_tuples(function, x):
     """Apply a function to x, or to each item of a tuple, at any depth."""
-    return tuple(_map_tuples(function, one) for one in x) if type(x) is tuple else function(x)
+    return tuple(_map_tuples(function, part) for part in x) if type(x) is tuple else function(x)
 
 
 def _flat(x):
-    return [one for part in x for one in _flat(part)] if type(x) is tuple else [x]
+    return [leaf for part in x for leaf in _flat(part)] if type(x) is tuple else [x]
 
 
 def _type_of(kinds):
@@ -133,7 +133,7 @@ class _Program:
             label = name or f"{function.__name__}.{next(self._count)}"
             written = _Function(self, function, arguments)
             self._compiled[key] = label, written.returns
-            self.texts.append(written.whole(f"{'' if name else 'internal '}{{}} @{label}"))
+            self.texts.append(written.definition(f"{'' if name else 'internal '}{{}} @{label}"))
         return self._compiled[key]
 
 
@@ -148,12 +148,12 @@ class _Function(Code):
         self._parameters, self._slots = [program.words], []
         self._variables, self._ends, self._count = {}, [], itertools.count()
         tree: Any = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
-        for one, argument in zip(tree.args.args, arguments, strict=True):
-            self._assign(ast.Name(one.arg), _map_tuples(self._parameter, argument))
+        for parameter, argument in zip(tree.args.args, arguments, strict=True):
+            self._assign(ast.Name(parameter.arg), _map_tuples(self._parameter, argument))
         if not self._block(tree.body):
             self._exec_Return(ast.Return())
 
-    def whole(self, head):
+    def definition(self, head):
         """Return the text; head : contains {}, which the type of the result replaces."""
         body = "\n  ".join(["entry:", *self._slots, *self.lines])
         head = head.format(_type_of(self.returns))
@@ -183,9 +183,9 @@ class _Function(Code):
     def _jump(self, label):
         self.lines.append(f"br label %{label}")
 
-    def _branch(self, test, yes, no):
+    def _branch(self, test, if_true, if_false):
         test = self._argument(Condition, self._truth(test))
-        self.lines.append(f"br {test}, label %{yes}, label %{no}")
+        self.lines.append(f"br {test}, label %{if_true}, label %{if_false}")
 
     def _truth(self, x):
         return x if isinstance(x, (Condition, bool)) else x != 0
@@ -214,8 +214,8 @@ class _Function(Code):
         at, *others = index if type(index) is tuple else (index,)
         if len(others) + 1 != array.dimensions:
             raise IndexError(f"an index of {len(others) + 1} numbers")
-        for k, one in enumerate(others, 2):
-            at = at * self._word(array.at + k) + one
+        for k, following in enumerate(others, 2):
+            at = at * self._word(array.at + k) + following
         kind = KINDS[array.dtype]
         operands = f"ptr {self._address(array)}, {self._argument(Bits, at)}"
         return Slot(kind, self.write(f"getelementptr {kind.item}, {operands}", Value).name)
@@ -223,7 +223,7 @@ class _Function(Code):
     # Statements: each method returns True if control does not go on to the next statement
 
     def _block(self, statements):
-        return any(self._statement(one) for one in statements)
+        return any(self._statement(statement) for statement in statements)
 
     def _statement(self, node):
         try:
@@ -246,15 +246,15 @@ class _Function(Code):
 
     def _assign(self, target, value):
         if isinstance(target, ast.Tuple):
-            for one, part in zip(target.elts, value, strict=True):
-                self._assign(one, part)
+            for name, part in zip(target.elts, value, strict=True):
+                self._assign(name, part)
         elif isinstance(target, ast.Subscript):
             array, index = self._value(target.value), self._value(target.slice)
             if type(value) is not tuple:
                 return self._put(value, self._item(array, index))
             row = index if type(index) is tuple else (index,)
-            for k, one in enumerate(value):
-                self._put(one, self._item(array, (*row, k)))
+            for k, element in enumerate(value):
+                self._put(element, self._item(array, (*row, k)))
         else:
             self._variables[target.id] = self._assigned(self._variables.get(target.id), value)
 
@@ -279,11 +279,11 @@ class _Function(Code):
         values = values if type(values) is tuple else (values,)
         if self.returns is None:
             self.returns = tuple(map(_kind_of, values))
-        whole = f"{_type_of(self.returns)} poison"
+        returned = f"{_type_of(self.returns)} poison"
         for i, (kind, x) in enumerate(zip(self.returns, values, strict=True)):
-            one = self.write(f"insertvalue {whole}, {self._argument(kind, x)}, {i}", Value)
-            whole = f"{_type_of(self.returns)} {one.name}"
-        self.lines.append(f"ret {whole}" if self.returns else "ret void")
+            struct = self.write(f"insertvalue {returned}, {self._argument(kind, x)}, {i}", Value)
+            returned = f"{_type_of(self.returns)} {struct.name}"
+        self.lines.append(f"ret {returned}" if self.returns else "ret void")
         return True
 
     def _exec_If(self, node):
@@ -306,19 +306,19 @@ class _Function(Code):
     def _exec_While(self, node):
         if node.orelse:
             raise TypeError("a loop has no else")
-        again, body, end = (self._label() for _ in range(3))
-        self._jump(again)
-        self.lines.append(f"{again}:")
+        head, body, end = (self._label() for _ in range(3))
+        self._jump(head)
+        self.lines.append(f"{head}:")
         self._branch(self._value(node.test), body, end)
         self.lines.append(f"{body}:")
         self._ends.append(end)
         if not self._block(node.body):
-            self._jump(again)
+            self._jump(head)
         self._ends.pop()
         self.lines.append(f"{end}:")
 
     def _exec_For(self, node):
-        bounds = [ast.unparse(one) for one in node.iter.args]
+        bounds = [ast.unparse(bound) for bound in node.iter.args]
         start, stop, step = ("0", *bounds, "1")[-3:] if len(bounds) < 3 else bounds
         i, end = (f"_{next(self._count)}" for _ in range(2))
         if node.orelse or ast.unparse(node.iter) != f"range({', '.join(bounds)})":
@@ -371,9 +371,9 @@ class _Function(Code):
         return OPERATORS[type(node.op)](x)
 
     def _eval_Compare(self, node):
-        values = [self._value(one) for one in (node.left, *node.comparators)]
-        each = zip(node.ops, values, values[1:], strict=False)
-        tests = (OPERATORS[type(op)](x, y) for op, x, y in each)
+        values = [self._value(operand) for operand in (node.left, *node.comparators)]
+        comparisons = zip(node.ops, values, values[1:], strict=False)
+        tests = (OPERATORS[type(op)](x, y) for op, x, y in comparisons)
         return functools.reduce(operator.and_, tests)
 
     def _eval_BoolOp(self, node):
@@ -391,7 +391,7 @@ class _Function(Code):
     def _eval_Call(self, node):
         function, arguments = self._value(node.func), tuple(map(self._value, node.args))
         if inspect.isclass(function) and issubclass(function, tuple):
-            named = {one.arg: self._value(one.value) for one in node.keywords}
+            named = {keyword.arg: self._value(keyword.value) for keyword in node.keywords}
             return tuple(function(*arguments, **named))
         if node.keywords:
             raise TypeError("arguments must be positional")
@@ -420,8 +420,8 @@ class _Function(Code):
         call = f"call {type_} @{name}({', '.join([self._program.words, *arguments_text])})"
         if not returns:
             return self.lines.append(call)
-        whole, each = f"{type_} {self.write(call, Value).name}", enumerate(returns)
-        results = tuple(self.write(f"extractvalue {whole}, {i}", one) for i, one in each)
+        returned, numbered = f"{type_} {self.write(call, Value).name}", enumerate(returns)
+        results = tuple(self.write(f"extractvalue {returned}, {i}", kind) for i, kind in numbered)
         return results[0] if len(results) == 1 else results
 
     def _call_unit(self, unit, buffer, first, last):

@@ -76,15 +76,15 @@ def run_lanes(run, budget):
     s, shape, units, kernel, position = run.s, run.shape, run.units, run.kernel, run.position
     capacity = 2 * R.LANES if run.taylor > 0 else R.LANES
     first, n = 0, 0
-    vacant = regroup = True
+    has_vacancy = regroup = True
     for _ in range(budget):
-        if vacant:
+        if has_vacancy:
             while position[0] - position[1] < capacity:
                 i = next_case(run)
                 if i < 0:
                     break
                 kernel.load(run, free_column(s, shape, 0.0), i)
-            vacant = False
+            has_vacancy = False
         if regroup:
             first, n = next_set(run)
             if n == 0:
@@ -99,7 +99,7 @@ def run_lanes(run, budget):
             if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
                 kernel.end(run, l)
                 if s[R.CASE + l] == IDLE:
-                    vacant = regroup = True
+                    has_vacancy = regroup = True
         if run.taylor > 0:
             regroup = leave_set(s, shape, first, n) or regroup
             if regroup:
@@ -172,10 +172,10 @@ def idle_column(s, first):
 
 def count_busy(s, first):
     """Return how many columns of a set hold a slider."""
-    busy = 0
+    count = 0
     for l in range(first, first + R.LANES):
-        busy += s[R.CASE + l] != IDLE
-    return busy
+        count += s[R.CASE + l] != IDLE
+    return count
 
 
 def free_column(s, shape, taylor):
@@ -196,8 +196,8 @@ def next_set(run):
     if run.taylor > 0:
         others = count_busy(s, shape.size)
         n_others = whole_vectors(others, run.width)
-        more = others * n - busy * n_others
-        if more > 0 or (more == 0 and others > busy):
+        gain = others * n - busy * n_others
+        if gain > 0 or (gain == 0 and others > busy):
             first, n = shape.size, n_others
     for l in range(first + n, first + R.LANES):
         if s[R.CASE + l] != IDLE:
@@ -210,11 +210,11 @@ def whole_vectors(busy, width):
     return (busy + width - 1) // width * width
 
 
-def move(s, shape, l, to):
+def move(s, shape, l, new):
     """Move the slider of column l to an idle column."""
     for row in range(R.RING_COLUMN + R.LANES, shape.z_new, R.LANES):
-        s[row + to] = s[row + l]
-    s[R.RING_COLUMN + l], s[R.RING_COLUMN + to] = s[R.RING_COLUMN + to], s[R.RING_COLUMN + l]
+        s[row + new] = s[row + l]
+    s[R.RING_COLUMN + l], s[R.RING_COLUMN + new] = s[R.RING_COLUMN + new], s[R.RING_COLUMN + l]
     s[R.CASE + l] = IDLE
 
 
@@ -235,7 +235,7 @@ def enter_set(s, shape, first):
     taylor = 1.0 if first > 0 else 0.0
     for l in range(2 * shape.size, 2 * shape.size + R.LANES):
         if s[R.CASE + l] != IDLE and s[R.TAYLOR + l] == taylor:
-            to = idle_column(s, first)
-            if to < 0:
+            column = idle_column(s, first)
+            if column < 0:
                 break
-            move(s, shape, l, to)
+            move(s, shape, l, column)

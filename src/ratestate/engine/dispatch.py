@@ -47,9 +47,9 @@ def run_march(taylor, law, cases, loads, save_times, order, progress=None):
 
 def _contiguous(arrays):
     """Return a named tuple of contiguous arrays: integers for indices, else doubles."""
-    each = arrays._asdict().items()
+    items = arrays._asdict().items()
     kinds = {"loading": np.int64, "times": np.int64}
-    return type(arrays)(*(np.ascontiguousarray(x, kinds.get(name, float)) for name, x in each))
+    return type(arrays)(*(np.ascontiguousarray(x, kinds.get(name, float)) for name, x in items))
 
 
 def run_returns(law, starts):
@@ -84,8 +84,8 @@ def _run(queues, law, taylor, progress, fields):
         for i in range(min(threads, len(queue)))
     ]
     if threads == 1:
-        for one in workers:
-            while not one.run_sweeps():
+        for runner in workers:
+            while not runner.run_sweeps():
                 _report(workers, n, progress)
         return
     stop = threading.Event()

@@ -36,7 +36,7 @@ def read_point(s, l, law, at_end=False):
     The coefficients are those at the start.  If normal stress varies, call `later` for the end.
     """
     y, w, e = rows_of_point(law, at_end)
-    y, e, p = (read_rows(s, one, l) for one in (y, e, rows_of(law).p))
+    y, e, p = (read_rows(s, part, l) for part in (y, e, rows_of(law).p))
     return Point(law, p, y, s[w + l], e, None, s[R.KAPPA + l], s[R.ETA0 + l])
 
 
@@ -57,9 +57,9 @@ def evaluate_dense_output(s, l, rows, fraction):
     """
     values, derivatives = [], []
     is_taylor = s[R.TAYLOR + l] > 0.0
-    for one in rows:
+    for coefficients in rows:
         y = dy = 0.0
-        for k, row in reversed([*enumerate(one)]):
+        for k, row in reversed([*enumerate(coefficients)]):
             c = s[row + l] if k < R.RODAS5P_TERMS else where(is_taylor, s[row + l], 0.0)
             y, dy = c + fraction * y, y + fraction * dy
         values.append(y)
@@ -83,12 +83,12 @@ def extremum_conditions(at, w_lp):
 
     They follow from eta0 dw/dT = g, friction f = R, the strength N and g = x - S.
     """
-    # d omega/dT is `by` divided by `unit`
-    by, unit = at.acceleration(w_lp, at.is_balanced)
+    # d omega/dT is `d_omega` divided by `unit`
+    d_omega, unit = at.acceleration(w_lp, at.is_balanced)
     of_x = unit * at.x_rate(w_lp)
-    change = of_x, by, *times(unit, at.f)
+    change = of_x, d_omega, *times(unit, at.f)
     _, _, strength, friction = at.changes_of_forces(change, unit)
-    return by, at.m * at.g_rate(w_lp) - at.S_slopes[0] * at.g, friction, strength + of_x
+    return d_omega, at.m * at.g_rate(w_lp) - at.S_slopes[0] * at.g, friction, strength + of_x
 
 
 def has_save_time(s, l):
@@ -212,10 +212,10 @@ def commit_lane(s, l, law):
     for row, x in outcome.items():
         s[row + l] = where(ok, x, s[row + l])
     arrived = ok & ((s[R.BREAKPOINT + l] - t) - low <= 1e-12 * h)
-    spent = s[R.STEPS + l] + s[R.REJECTED + l] + 1.0 >= s[R.MAX_STEPS + l]
+    is_exhausted = s[R.STEPS + l] + s[R.REJECTED + l] + 1.0 >= s[R.MAX_STEPS + l]
     failures = (s[R.FAILURES + l] + 1.0) * (1.0 - accepted)
-    over = arrived | spent | (failures > TOO_MANY_FAILURES) | (s[R.STATUS + l] != RUNNING)
-    s[R.BREAK + l], s[R.FAILURES + l] = where(over, 1.0, 0.0), failures
+    is_over = arrived | is_exhausted | (failures > TOO_MANY_FAILURES) | (s[R.STATUS + l] != RUNNING)
+    s[R.BREAK + l], s[R.FAILURES + l] = where(is_over, 1.0, 0.0), failures
     s[R.STEPS + l] += accepted
     s[R.REJECTED + l] += 1.0 - accepted
     s[R.H + l], s[R.MEMORY + l] = s[R.H_NEXT + l], where(ok, s[R.MEMORY_NEW + l], 1.0)

@@ -62,8 +62,8 @@ def doubles_of_vector():
 
 def target(cpu=None, features=None, triple=None):
     """Return the machine to compile for: this one, or one with another processor."""
-    here, name, native = processor()
-    return _initialized(triple or here).create_target_machine(
+    this_triple, name, native = processor()
+    return _initialized(triple or this_triple).create_target_machine(
         cpu=cpu or name,
         features=native if features is None else features,
         opt=3,
@@ -239,19 +239,19 @@ def _reason_for_distrust(kernels):
 
     kernels : Path without links above ratestate's own folder
     """
-    own, user = kernels.parent, os.geteuid()
+    cache, user = kernels.parent, os.geteuid()
     for folder in (kernels, *kernels.parents):
         try:
             status = folder.lstat()
         except OSError:  # the folder does not exist
             continue
-        inside = folder in (kernels, own)
+        inside = folder in (kernels, cache)
         if status.st_uid != user and (inside or status.st_uid != 0):
             return f"{folder} belongs to another user. Set XDG_CACHE_HOME to a folder of your own."
         if inside and not stat.S_ISDIR(status.st_mode):
             return f"{folder} is a link or a file. Remove it."
         if inside and status.st_mode & 0o022:
-            return f"other users may write to {folder}. Run: chmod -R go-w {own}"
+            return f"other users may write to {folder}. Run: chmod -R go-w {cache}"
         if status.st_mode & stat.S_IWOTH and not status.st_mode & stat.S_ISVTX:
             return f"other users may write to {folder}. Run: chmod o-w {folder}"
     return ""
@@ -263,8 +263,8 @@ def _read(path):
         handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
         with os.fdopen(handle, "rb") as file:
             status = os.fstat(handle)
-            mine = status.st_uid == os.geteuid() and not status.st_mode & 0o022
-            if mine and stat.S_ISREG(status.st_mode):
+            is_trusted = status.st_uid == os.geteuid() and not status.st_mode & 0o022
+            if is_trusted and stat.S_ISREG(status.st_mode):
                 return file.read()
         report_once(f"the machine code {path} may be another user's, so it is compiled again")
     return None

@@ -68,7 +68,7 @@ def _is_constant(x):
 
 def _layout(x, places):
     if isinstance(x, tuple):
-        return type(x)(*(_layout(one, places) for one in x))
+        return type(x)(*(_layout(part, places) for part in x))
     if _is_constant(x):
         return x
     at, *_ = itertools.islice(places, 1 + np.ndim(x))

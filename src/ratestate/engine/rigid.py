@@ -71,8 +71,8 @@ def flag_events(s, l, law):
     for bit, start, end in zip((R.F_EXTREME, R.XF_EXTREME), *sides, strict=True):
         bits = bits + where((start < 0.0) & (end >= 0.0), float(bit), 0.0)
     s[R.EVENTS + l] = bits
-    called = ((bits > 0.0) & (s[R.OBSERVE + l] > 0.0)) | has_save_time(s, l)
-    s[R.CALL + l] = where((s[R.OK + l] > 0.0) & called, 1.0, 0.0)
+    needs_call = ((bits > 0.0) & (s[R.OBSERVE + l] > 0.0)) | has_save_time(s, l)
+    s[R.CALL + l] = where((s[R.OK + l] > 0.0) & needs_call, 1.0, 0.0)
 
 
 def state(s, l, law, fraction):
@@ -84,6 +84,6 @@ def state(s, l, law, fraction):
 def force(s, l, law, fraction, *weights):
     """Return what `units.force` returns."""
     h, (psi, d_psi) = s[R.H_USED + l], evaluate_dense_output(s, l, rows_of(law).c[2:], fraction)
-    here = point(s, l, law, fraction * h, psi)
-    changes = slopes(here, s[R.RAMP + l], times(1.0 / h, d_psi))
-    return dot(weights, here.forces), h * dot(weights, changes)
+    at = point(s, l, law, fraction * h, psi)
+    changes = slopes(at, s[R.RAMP + l], times(1.0 / h, d_psi))
+    return dot(weights, at.forces), h * dot(weights, changes)

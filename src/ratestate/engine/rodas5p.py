@@ -123,7 +123,7 @@ def drift_of(start, h, ramp):
     """
     psi = times(h, start.f_drift)
     of_v = times(-h, start.N_drift)
-    of_v = tuple(minus_dot(one, times(start.m, start.omega_by_psi), psi) for one in of_v)
+    of_v = tuple(minus_dot(column, times(start.m, start.omega_by_psi), psi) for column in of_v)
     return (h * start.kappa * ramp,), of_v, psi
 
 
@@ -168,12 +168,12 @@ def end_of_step(start, k, last, h):
     k : the eight increments; last : the point of the last stage
     """
     y = plus_sum(start.y, A[8], k)
-    near = Point(last.law, last.p, y, last.w, last.e, None, last.kappa, last.eta0)
-    held = near.m * larger(1.0, abs(y[1] - start.v)) < 1e-14 * h
-    v = where(held, y[1] + near.g / near.S_slopes[0], y[1])
+    end = Point(last.law, last.p, y, last.w, last.e, None, last.kappa, last.eta0)
+    is_slaved = end.m * larger(1.0, abs(y[1] - start.v)) < 1e-14 * h
+    v = where(is_slaved, y[1] + end.g / end.S_slopes[0], y[1])
     new = start.at((y[0], v, *y[2:]), h)
     error = (k[7][0], k[7][1] + (v - y[1]), *k[7][2:])
-    return new, held, error, dense_output(start.y, new.y, *(sum_of(row, k) for row in H))
+    return new, is_slaved, error, dense_output(start.y, new.y, *(sum_of(row, k) for row in H))
 
 
 def dense_output(y0, y1, k1, k2, k3):
@@ -181,8 +181,8 @@ def dense_output(y0, y1, k1, k2, k3):
 
     y0, y1 : the state at the ends of the step; k1, k2, k3 : K_1, K_2, K_3 of `H`
     """
-    each = zip(y0, y1, k1, k2, k3, strict=True)
-    return tuple((u0, (u1 - u0) + a, b - a, c - b, -c) for u0, u1, a, b, c in each)
+    terms = zip(y0, y1, k1, k2, k3, strict=True)
+    return tuple((u0, (u1 - u0) + a, b - a, c - b, -c) for u0, u1, a, b, c in terms)
 
 
 def step(start, w_lp, ramp, h):

@@ -132,29 +132,29 @@ def rows_of(law):
     """Return the `LawRows` of a law."""
     offsets = itertools.count(COMMON_ROWS * LANES, LANES)
 
-    def take(n):
+    def reserve(n):
         return tuple(itertools.islice(offsets, n))
 
     n, ring = len(law.states), RING * LANES
     terms = ORDER + 1 if law.has_recurrences else RODAS5P_TERMS
     terms_z = terms if terms > RODAS5P_TERMS else 0
     return LawRows(
-        p=(p := take(law.n_coefficients)),
+        p=(p := reserve(law.n_coefficients)),
         history=law.history(p),
-        e=take(law.n_stored),
-        e_new=take(law.n_stored),
-        psi=(psi := take(n)),
+        e=reserve(law.n_stored),
+        e_new=reserve(law.n_stored),
+        psi=(psi := reserve(n)),
         y=(X, V, *psi),
-        y_new=(X_NEW, V_NEW, *take(n)),
-        steady=take(2 + n),
-        z=tuple(take(2 + n) for _ in range(n + 1)),
-        shifts=take(n + 1),
-        x_low=take(n + 1),
-        v_high=take(n + 1),
-        v_low=take(n + 1),
-        z_new=tuple(take(2 + n) for _ in range(n + 1)),
-        c=tuple(take(terms) for _ in range(2 + n)),
-        c_z=tuple(take(terms_z) for _ in range((2 + n) * (n + 1))),
+        y_new=(X_NEW, V_NEW, *reserve(n)),
+        steady=reserve(2 + n),
+        z=tuple(reserve(2 + n) for _ in range(n + 1)),
+        shifts=reserve(n + 1),
+        x_low=reserve(n + 1),
+        v_high=reserve(n + 1),
+        v_low=reserve(n + 1),
+        z_new=tuple(reserve(2 + n) for _ in range(n + 1)),
+        c=tuple(reserve(terms) for _ in range(2 + n)),
+        c_z=tuple(reserve(terms_z) for _ in range((2 + n) * (n + 1))),
         highs=(highs := next(offsets)),
         lows=highs + ring,
         durations=highs + 2 * ring,
@@ -174,13 +174,13 @@ def write_rows(s, rows, l, values):
 
 def load_each(s, rows, l):
     """Return the numbers in tuples of rows of lane l."""
-    return tuple(read_rows(s, one, l) for one in rows)
+    return tuple(read_rows(s, group, l) for group in rows)
 
 
 def store_each(s, rows, l, values):
     """Write tuples of values into tuples of rows of lane l."""
-    for one, numbers in zip(rows, values, strict=True):
-        write_rows(s, one, l, numbers)
+    for group, numbers in zip(rows, values, strict=True):
+        write_rows(s, group, l, numbers)
 
 
 # The control calls a law's units (units.py) by these functions.  In compiled code a unit is an

@@ -16,7 +16,7 @@ FORCE_TOLERANCE = 0.01
 # Weights of x, the stress S that opposes motion, the strength N and friction R in `units.force`.
 INERTIAL_FORCE = (1.0, -1.0, 0.0, 0.0)
 FRICTION, X_PLUS_N = (0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 1.0, 0.0)
-NOTHING = (0.0, 0.0, 0.0, 0.0)  # inputs of `units.speed`
+NO_INPUTS = (0.0, 0.0, 0.0, 0.0)  # inputs of `units.speed`
 #: `root` looks for the zero, whatever the value there
 ANY_VALUE = (math.inf, -math.inf)
 #: height of an extreme above the ends of a Taylor step that is assumed not to be exceeded, as a
@@ -115,7 +115,7 @@ def extreme_speed(run, l, known):
 
     If the extreme lies between the two known values, the result is the start of the step.
     """
-    return root(run, l, run.units.speed, NOTHING, 0.0, 1.0, 0.0, known)
+    return root(run, l, run.units.speed, NO_INPUTS, 0.0, 1.0, 0.0, known)
 
 
 def crossing(run, l, speeds, low, high):
@@ -211,15 +211,15 @@ def handle(run, l):
 # The period of a run
 
 
-def close_cycle(run, l, since, x_high):
-    """Record the cycle that ends at an upward crossing, at the time s[T] + since."""
+def close_cycle(run, l, t_low, x_high):
+    """Record the cycle that ends at an upward crossing, at the time s[T] + t_low."""
     s, shape = run.s, run.shape
     if s[R.CROSS_T_LOW + l] < math.inf:
         at = (int(s[R.CYCLES + l]) % R.RING) * R.LANES + int(s[R.RING_COLUMN + l])
         s[shape.highs + at], s[shape.lows + at] = x_high, s[R.X_LOW + l]
-        s[shape.durations + at] = (s[R.T + l] - s[R.CROSS_T + l]) + (since - s[R.CROSS_T_LOW + l])
+        s[shape.durations + at] = (s[R.T + l] - s[R.CROSS_T + l]) + (t_low - s[R.CROSS_T_LOW + l])
         s[R.CYCLES + l] += 1.0
-    s[R.CROSS_T + l], s[R.CROSS_T_LOW + l] = s[R.T + l], since
+    s[R.CROSS_T + l], s[R.CROSS_T_LOW + l] = s[R.T + l], t_low
 
 
 def max_change(s, home, shape, first, end, p):
@@ -229,9 +229,9 @@ def max_change(s, home, shape, first, end, p):
     """
     largest = 0.0
     for k in range(first, end):
-        this, other = (k % R.RING) * R.LANES + home, ((k - p) % R.RING) * R.LANES + home
-        largest = max(largest, abs(s[shape.highs + this] - s[shape.highs + other]))
-        largest = max(largest, abs(s[shape.lows + this] - s[shape.lows + other]))
+        current, other = (k % R.RING) * R.LANES + home, ((k - p) % R.RING) * R.LANES + home
+        largest = max(largest, abs(s[shape.highs + current] - s[shape.highs + other]))
+        largest = max(largest, abs(s[shape.lows + current] - s[shape.lows + other]))
     return largest
 
 
@@ -264,13 +264,13 @@ def last_period(run, l):
     earlier = max(errors, max_change(s, home, shape, first, half, returns))
     grows = (changes or returns > 1) and max_change(s, home, shape, half, cycles, returns) > earlier
     irregular = (changes or grows) and is_irregular(s, home, shape, cycles, visible, grows)
-    over = recorded // 2 if irregular else returns
+    n_cycles = recorded // 2 if irregular else returns
     high, low, span = -math.inf, math.inf, 0.0
-    for k in range(cycles - over, cycles):
+    for k in range(cycles - n_cycles, cycles):
         at = (k % R.RING) * R.LANES + home
         high, low = max(high, s[shape.highs + at]), min(low, s[shape.lows + at])
         span += s[shape.durations + at]
-    return high - low, span / over if irregular else span, 0 if irregular else returns
+    return high - low, span / n_cycles if irregular else span, 0 if irregular else returns
 
 
 def is_irregular(s, home, shape, cycles, visible, grows):
@@ -281,8 +281,8 @@ def is_irregular(s, home, shape, cycles, visible, grows):
     count, previous_rise, earlier, later = 0, 0.0, 0.0, 0.0
     recorded = min(cycles, R.RING)
     for k in range(cycles - recorded + 1, cycles):
-        this, previous = (k % R.RING) * R.LANES + home, ((k - 1) % R.RING) * R.LANES + home
-        rise = s[shape.highs + this] - s[shape.highs + previous]
+        current, previous = (k % R.RING) * R.LANES + home, ((k - 1) % R.RING) * R.LANES + home
+        rise = s[shape.highs + current] - s[shape.highs + previous]
         if abs(rise) > visible:
             count += rise * previous_rise < 0.0
             previous_rise = rise

@@ -65,11 +65,11 @@ def trace_of(jacobian, shares, unit):
     return dot_onto(total(by_psi) + unit * of_v[1], shares, [row[1] for row in of_psi])
 
 
-def perturbation_at_end(new, held, z):
+def perturbation_at_end(new, is_slaved, z):
     """Return a perturbation at the end of a step; if v is held, v follows the others."""
     S_v, *S_psi = new.S_slopes
     of_held = new.in_v((z[0], minus_dot(z[0], S_psi, z[2:]) / S_v, *z[2:]))
-    return z[0], where(held, of_held[1], z[1]), *z[2:]
+    return z[0], where(is_slaved, of_held[1], z[1]), *z[2:]
 
 
 def step(start, z, h):
@@ -91,22 +91,22 @@ def step(start, z, h):
     arrow, r = Arrow(start, h), 1.0 / h
     moves = where(start.log_jump_rate > -LIMIT, 1.0, 0.0)
     at_start = functools.partial(start.derived, moves=moves, kappa=start.kappa)
-    curvatures = [at_start("curvature", z=one, q=1.0, m=start.m) for one in z]
+    curvatures = [at_start("curvature", z=z_i, q=1.0, m=start.m) for z_i in z]
     k: tuple = ()
     dk: list[tuple] = [() for _ in z]
     traces: list = []
     for at, _, k in stages(arrow, h, 1.0):
         jacobian = at.derived("jacobian", q=start.c * at.c_inverse, m=start.m, kappa=start.kappa)
         k_omega = start.in_omega(k[-1])
-        for j, (one, curvature) in enumerate(zip(z, curvatures, strict=True)):
-            du, rest = stage_start(one, dk[j])
+        for j, (z_i, curvature) in enumerate(zip(z, curvatures, strict=True)):
+            du, rest = stage_start(z_i, dk[j])
             du = at.in_omega(du)
             rows = right_hand_side(du, jacobian, k_omega, rest, curvature, r, start.m)
             dk[j] = *dk[j], arrow.solve(rows)
         traces.append(trace_of(jacobian, at.omega_by_psi, 1.0 / start.m))
-    new, held, error, dense = end_of_step(start, k, at, h)
-    ends = (plus_sum(one, A[8], of_one) for one, of_one in zip(z, dk, strict=True))
-    z_new = tuple(perturbation_at_end(new, held, one) for one in ends)
+    new, is_slaved, error, dense = end_of_step(start, k, at, h)
+    ends = (plus_sum(z_i, A[8], dk_i) for z_i, dk_i in zip(z, dk, strict=True))
+    z_new = tuple(perturbation_at_end(new, is_slaved, z_i) for z_i in ends)
     # The trace is integrated as in `rodas5p.step`: B weights trace(u_i) + gradient k_i.
     q = moves * start.c_inverse / start.eta0
     gradient = at_start("change_of_trace", z=sum_of(B, k), q=q, m=1.0)
@@ -138,8 +138,8 @@ def try_taylor_step(s, l, law):
 
     def largest_of_order(k):
         """Return the largest ratio of a perturbation's coefficient to the perturbation."""
-        each = zip(grouped([one[k] for one in c_z], y), z, strict=True)
-        ratios = (taylor.norm(a, momentum) / taylor.norm(b, momentum) for a, b in each)
+        coefficients = zip(grouped([row[k] for row in c_z], y), z, strict=True)
+        ratios = (taylor.norm(a, momentum) / taylor.norm(b, momentum) for a, b in coefficients)
         return functools.reduce(larger, ratios)
 
     last, previous = map(largest_of_order, (R.ORDER, R.ORDER - 1))
@@ -148,7 +148,7 @@ def try_taylor_step(s, l, law):
     landing = s[R.LANDING_STEP + l]
     h = where((landing > 0.0) & (landing < h), landing, h)
     h_powers = taylor.powers(h)
-    dense = tuple(product(one, h_powers) for one in c_z)
+    dense = tuple(product(row, h_powers) for row in c_z)
     store_each(s, rows.c_z, l, dense)
     z_new = tuple(map(pairwise_sum, dense))
     store_each(s, rows.z_new, l, grouped(z_new, y))
@@ -165,15 +165,15 @@ def commit_lane(s, l, law):
     other perturbations.  So this part is removed after each step.
     """
     rows, ok, at = rows_of(law), s[R.OK + l] > 0.0, L.read_point(s, l, law)
-    by, unit = at.acceleration(1.0, at.is_balanced)
-    rates = at.in_v((at.x_rate(1.0), by / unit, *at.f))
+    d_omega, unit = at.acceleration(1.0, at.is_balanced)
+    rates = at.in_v((at.x_rate(1.0), d_omega / unit, *at.f))
     size = larger(largest(rates), 1e-300)
     direction = times(1.0 / size, rates)
     inverse = 1.0 / dot(direction, direction)
     z, z_new = load_each(s, rows.z, l), load_each(s, rows.z_new, l)
-    shifts = tuple(inverse * dot(one, direction) for one in z_new)
-    for of_one, one, new, shift in zip(rows.z, z, z_new, shifts, strict=True):
-        write_rows(s, of_one, l, select(ok, plus(new, times(-shift, direction)), one))
+    shifts = tuple(inverse * dot(new, direction) for new in z_new)
+    for group, old, new, shift in zip(rows.z, z, z_new, shifts, strict=True):
+        write_rows(s, group, l, select(ok, plus(new, times(-shift, direction)), old))
     early = read_rows(s, rows.shifts, l)
     write_rows(s, rows.shifts, l, select(ok, plus(early, times(1.0 / size, shifts)), early))
     s[R.TRACE + l] += where(ok, s[R.D_TRACE + l], 0.0)

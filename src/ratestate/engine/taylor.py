@@ -49,14 +49,14 @@ def variational_equations(law):
     derivative; and the trace of the Jacobian matrix.
     """
     (motion, _), graph = law.motion.in_time, law.motion.graph
-    everything, perturbations = dict(motion), []
+    expressions, perturbations = dict(motion), []
     for j in range(len(motion) - 1):
         z = [graph.symbol(("z", j, i), is_constant=False) for i in range(len(motion))]
-        along = Derivative(graph, dict(zip(motion, z, strict=True)))
-        everything |= dict(zip(z, map(along, motion.values()), strict=True))
+        derivative = Derivative(graph, dict(zip(motion, z, strict=True)))
+        expressions |= dict(zip(z, map(derivative, motion.values()), strict=True))
         perturbations.append(z)
     diagonal = (Derivative(graph, {y: graph.one})(rate) for y, rate in motion.items())
-    return perturbations, everything, sum(diagonal, graph.number(0.0))
+    return perturbations, expressions, sum(diagonal, graph.number(0.0))
 
 
 def coefficients(start, w_lp, ramp):
@@ -77,8 +77,8 @@ def variational_coefficients(start, z):
     """
     values, n = _values(start, 1.0), len(start.y)
     perturbations, derivatives, trace = variational_equations(start.law)
-    for symbols, one in zip(perturbations, z, strict=True):
-        values |= zip(symbols, one, strict=True)
+    for symbols, numbers in zip(perturbations, z, strict=True):
+        values |= zip(symbols, numbers, strict=True)
     series, (trace_series,) = expand(derivatives, [trace], ORDER, values)
     return series[:n], series[n:], trace_series
 
@@ -113,16 +113,16 @@ def norm(y, momentum):
 
 def powers(h):
     """Return h**k for k from 0 to `ORDER`."""
-    each = [1.0, h]
+    h_powers = [1.0, h]
     for k in range(2, ORDER + 1):
-        each.append(each[k // 2] * each[k - k // 2])
-    return tuple(each)
+        h_powers.append(h_powers[k // 2] * h_powers[k - k // 2])
+    return tuple(h_powers)
 
 
 def integrals(c, h):
     """Return the means of polynomials over a step; h : `powers` of its length."""
     weights = product(INTEGRAL_WEIGHTS, h)
-    return tuple(pairwise_sum(product(one, weights)) for one in c)
+    return tuple(pairwise_sum(product(row, weights)) for row in c)
 
 
 # Loops over lanes
@@ -141,7 +141,7 @@ def momentum_of(s, l):
 
 def step_lengths(s, l, c):
     """Return the longest accurate step, by coefficients c, and the longest stable."""
-    last, previous = (norm([one[k] for one in c], momentum_of(s, l)) for k in (ORDER, ORDER - 1))
+    last, previous = (norm([row[k] for row in c], momentum_of(s, l)) for k in (ORDER, ORDER - 1))
     return step_length(last, previous, s[R.TOLERANCE + l]), STABLE / s[R.RATE + l]
 
 
@@ -153,7 +153,7 @@ def store_step(s, l, start, h, h_powers, c, lengths, other_sum):
     other_sum : sum of all other results of the step, to test that they are finite
     """
     accurate, stable = lengths
-    dense = tuple(product(one, h_powers) for one in c)
+    dense = tuple(product(row, h_powers) for row in c)
     store_each(s, rows_of(start.law).c, l, dense)
     end = start.at(tuple(map(pairwise_sum, dense)))
     L.write_point(s, l, end, True)

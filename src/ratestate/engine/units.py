@@ -79,8 +79,8 @@ def state(s, l, law, fraction):
 def force(s, l, law, fraction, *weights):
     """Return a weighted sum of x, S, N and R at a fraction of the step; its slope."""
     h, (y, dy) = s[R.H_USED + l], lanes.evaluate_dense_output(s, l, rows_of(law).c, fraction)
-    here = lanes.read_point(s, l, law).at(y, fraction * h)
-    return dot(weights, here.forces), dot(weights, here.changes_of_forces(here.in_omega(dy), h))
+    at = lanes.read_point(s, l, law).at(y, fraction * h)
+    return dot(weights, at.forces), dot(weights, at.changes_of_forces(at.in_omega(dy), h))
 
 
 def speed(s, l, law, fraction):
@@ -89,8 +89,8 @@ def speed(s, l, law, fraction):
         (v,), (slope,) = lanes.evaluate_dense_output(s, l, rows_of(law).c[1:2], fraction)
         return v, slope
     y, dy = lanes.evaluate_dense_output(s, l, rows_of(law).c, fraction)
-    here = lanes.read_point(s, l, law).at(y)
-    return here.w, here.c * here.in_omega(dy)[1]
+    at = lanes.read_point(s, l, law).at(y)
+    return at.w, at.c * at.in_omega(dy)[1]
 
 
 def lead(s, l, law, fraction, w_lp, change):
@@ -112,9 +112,9 @@ def check_runaway(s, l, law):
     """
     at = lanes.read_point(s, l, law, True)
     v, kappa = at.log_jump_rate, law.stiffness(at.kappa, at.p)
-    away = law.runs_away(v, at.psi, kappa, at.p) | law.weakens_faster_than_spring(at, kappa)
-    lost = where(law.must_stop(v, at.p), float(NOT_FINITE), s[R.STATUS + l])
-    s[R.STATUS + l] = where(away, float(RUNAWAY), lost)
+    runs_away = law.runs_away(v, at.psi, kappa, at.p) | law.weakens_faster_than_spring(at, kappa)
+    status = where(law.must_stop(v, at.p), float(NOT_FINITE), s[R.STATUS + l])
+    s[R.STATUS + l] = where(runs_away, float(RUNAWAY), status)
     return ()
 
 
@@ -124,7 +124,7 @@ def v_extremes(s, l, law):
     if not law.reverses:
         return order
     p = read_rows(s, rows_of(law).p, l)
-    return tuple(law.v_at(one, psi, p) for one in order)
+    return tuple(law.v_at(v, psi, p) for v in order)
 
 
 # Units for varying normal stress
@@ -158,8 +158,8 @@ def excess_stress(s, l, law, v):
     at = lanes.read_point(s, l, law)
     at = at.at((at.x, v, *at.psi))
     kappa = law.stiffness(at.kappa, at.p)
-    away = law.runs_away(at.log_jump_rate, at.psi, kappa, at.p)
-    return at.g, at.log_jump_rate, where(away, 1.0, 0.0)
+    runs_away = law.runs_away(at.log_jump_rate, at.psi, kappa, at.p)
+    return at.g, at.log_jump_rate, where(runs_away, 1.0, 0.0)
 
 
 # Units for a return map, whose load point moves at a speed of 1
@@ -186,7 +186,7 @@ def move_to_section(s, l, law):
 
 def v_changes(at, z):
     """Return the change by each perturbation z of v at psi = 0 and the same speed."""
-    return times(at.reference_v_slope, tuple(at.in_omega(one)[1] for one in z))
+    return times(at.reference_v_slope, tuple(at.in_omega(change)[1] for change in z))
 
 
 def speed_derivatives(s, l, law, fraction):

@@ -43,8 +43,8 @@ def add_taylor(s, l, law):
 def _add(s, l, rows):
     sums, c = read_rows(s, SUMS, l), read_rows(s, rows, l)
     accepted, h, period, t, t_low, slow = read_rows(s, STEP, l)
-    more = plus(sums, times(h, (slow, *means(c, (t + (t_low - h)) / period, h / period))))
-    write_rows(s, SUMS, l, select((accepted > 0.0) & (period > 0.0), more, sums))
+    next_sums = plus(sums, times(h, (slow, *means(c, (t + (t_low - h)) / period, h / period))))
+    write_rows(s, SUMS, l, select((accepted > 0.0) & (period > 0.0), next_sums, sums))
 
 
 @functools.cache
@@ -62,9 +62,9 @@ def means(c, start, h):
     sums = [0.0] * 4
     for node, weight in gauss_legendre(len(c) // TERMS_OF_NODE + 1):
         x = c[-1]
-        for one in c[-2::-1]:
-            x = one + node * x
+        for coefficient in c[-2::-1]:
+            x = coefficient + node * x
         phase, weighted = start + node * h, weight * x
         terms = weighted, weighted * x, weighted * cosine(phase), weighted * sine(phase)
-        sums = [one + term for one, term in zip(sums, terms, strict=True)]
+        sums = [partial + term for partial, term in zip(sums, terms, strict=True)]
     return tuple(sums)

@@ -97,8 +97,8 @@ def read(path):
         raise
     except Exception as error:
         # the content of a file can make any library fail that reads it
-        what = f"{type(error).__name__}: {error}"
-        raise ParameterError(f"{path} cannot be read as a result: {what[:300]}") from None
+        error_text = f"{type(error).__name__}: {error}"
+        raise ParameterError(f"{path} cannot be read as a result: {error_text[:300]}") from None
 
 
 #: ending of a name -> functions that write and read such a file

@@ -12,14 +12,14 @@ from ..model.units import unit_factor
 from .stored import PARTS
 
 #: dimensions of a few numbers each, which are columns of a table, not rows
-ACROSS = ("mode", "multiplier")
+COLUMN_DIMS = ("mode", "multiplier")
 #: dimension of the loading's own record, which is no part of a table of results
 RECORD = "segment"
 FORMAT = {"index": False, "lineterminator": "\n"}
 #: SI unit -> the unit in a table, whatever the values: so columns of several tables can be joined
 UNITS = {"m": "um", "m/s": "um/s", "Pa": "MPa", "Pa/m": "GPa/m", "Pa s/m": "MPa s/m"}
 #: lengths that are displacements of the load point, over a whole experiment
-LONG = {"delta_lp": "mm", "step_delta_lp": "mm"}
+LENGTH_UNITS = {"delta_lp": "mm", "step_delta_lp": "mm"}
 #: separates the lines of a text in a table
 BETWEEN_LINES = " | "
 
@@ -43,7 +43,7 @@ def csv_text(data):
     """
     import pandas
 
-    rows = [dim for dim in data.sizes if dim not in (*ACROSS, RECORD)]
+    rows = [dim for dim in data.sizes if dim not in (*COLUMN_DIMS, RECORD)]
     sizes = {dim: data.sizes[dim] for dim in rows}
     first = {dim: data[dim].variable for dim in rows if dim in data.variables}
     others = {k: v for k, v in data.variables.items() if k not in first}
@@ -59,18 +59,18 @@ def csv_text(data):
 
 
 def _columns(name, variable):
-    """Yield the columns of a variable: (label, real Variable without dimensions `ACROSS`)."""
+    """Yield the columns of a variable: (label, real Variable without dimensions `COLUMN_DIMS`)."""
     unit = variable.attrs.get("units", "1")
     unit = "" if unit == "1" else f" [{unit}]"
-    across = [dim for dim in variable.dims if dim in ACROSS]
+    across = [dim for dim in variable.dims if dim in COLUMN_DIMS]
     for index in itertools.product(*(range(variable.sizes[dim]) for dim in across)):
-        one = variable.isel(dict(zip(across, index, strict=True)))
+        column = variable.isel(dict(zip(across, index, strict=True)))
         label = name + "".join(f"[{i}]" for i in index)
-        if one.dtype.kind == "c":
-            for part, (_, of) in PARTS.items():
-                yield f"{label}.{part}{unit}", one.copy(data=of(one.values))
+        if column.dtype.kind == "c":
+            for part, (_, part_of) in PARTS.items():
+                yield f"{label}.{part}{unit}", column.copy(data=part_of(column.values))
         else:
-            yield label + unit, one
+            yield label + unit, column
 
 
 def laboratory_csv(data, dim, units=None):
@@ -103,7 +103,7 @@ def laboratory_csv(data, dim, units=None):
     import pandas
 
     data, units = in_si(data), dict(units or {})
-    names = [name for name, one in data.variables.items() if one.dims == (dim,)]
+    names = [name for name, variable in data.variables.items() if variable.dims == (dim,)]
     if not names:
         raise ParameterError(f"the result has no variable along {dim!r}", one_of(data.sizes))
     for name in units:
@@ -132,7 +132,7 @@ def _column(name, variable, units):
         texts = [meanings[code].replace("_", " ") for code in variable.values.tolist()]
         return heading, texts, "", 1.0
     if variable.dtype.kind not in "fiu":
-        texts = [BETWEEN_LINES.join(str(one).splitlines()) for one in variable.values.tolist()]
+        texts = [BETWEEN_LINES.join(str(value).splitlines()) for value in variable.values.tolist()]
         return heading, texts, "", 1.0
     si = QUANTITIES[name].unit if name in QUANTITIES else str(variable.attrs.get("units", "1"))
     try:
@@ -150,7 +150,7 @@ def laboratory_unit(name, si, unit=None):
     By default SI decides.  ValueError if the unit does not fit.
     """
     if unit is None:
-        unit = LONG.get(name, UNITS.get(si, si))
+        unit = LENGTH_UNITS.get(name, UNITS.get(si, si))
     size = 1.0 if unit == si else float(unit_factor(si, unit))
     return "" if unit == "1" else unit, size
 

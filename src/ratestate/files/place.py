@@ -50,8 +50,8 @@ def checked_path(path, endings):
             f"Give a name that ends in {listed(endings)}.",
         )
     if path.is_dir() and not (ending == ".zarr" and _is_replaceable(path)):
-        what = "holds files that are not of one result" if ending == ".zarr" else "is a folder"
-        raise ParameterError(f"{path} {what}, and is not replaced", "Give another name.")
+        problem = "holds files that are not of one result" if ending == ".zarr" else "is a folder"
+        raise ParameterError(f"{path} {problem}, and is not replaced", "Give another name.")
     if ending == ".zarr" and path.is_file():
         raise ParameterError(
             f"{path} is a file and not a folder", "Remove it, or give another name."
@@ -108,14 +108,14 @@ def replace(path, write):
 
 def _exchange(new, folder):
     """Replace a folder by a new one; restore it if that fails."""
-    old = new.with_name(f"{new.name}.old")
-    folder.rename(old)
+    replaced = new.with_name(f"{new.name}.old")
+    folder.rename(replaced)
     try:
         new.rename(folder)
     except BaseException:
-        old.rename(folder)
+        replaced.rename(folder)
         raise
-    shutil.rmtree(old)
+    shutil.rmtree(replaced)
 
 
 def _real(path):
@@ -141,8 +141,8 @@ def _is_replaceable(path):
         names = json.loads(json.loads((path / METADATA).read_text())["attributes"][DIGESTS])
     except (OSError, ValueError, KeyError, TypeError):
         return False
-    files = (one for one in path.rglob("*") if one.is_symlink() or not one.is_dir())
-    return all(_is_of_result(one.relative_to(path).parts, names) for one in files)
+    files = (file for file in path.rglob("*") if file.is_symlink() or not file.is_dir())
+    return all(_is_of_result(file.relative_to(path).parts, names) for file in files)
 
 
 def _is_of_result(parts, names):

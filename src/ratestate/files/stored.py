@@ -26,7 +26,7 @@ def read_netcdf(path):
     import xarray
 
     variables, attrs = read_isolated(raw_netcdf, path, "a result")
-    plain = {name: xarray.Variable(*one) for name, one in variables.items()}
+    plain = {name: xarray.Variable(*parts) for name, parts in variables.items()}
     return joined(xarray.decode_cf(xarray.Dataset(plain, attrs=attrs)).load())
 
 
@@ -59,9 +59,9 @@ def _parts_of_netcdf(file, path):
     return parts
 
 
-def _attributes(of):
-    texts = {name: value for name, value in of.attrs.items() if isinstance(value, bytes)}
-    return {**of.attrs, **{name: value.decode() for name, value in texts.items()}}
+def _attributes(variable):
+    texts = {name: value for name, value in variable.attrs.items() if isinstance(value, bytes)}
+    return {**variable.attrs, **{name: value.decode() for name, value in texts.items()}}
 
 
 def _checked(path, parts):
@@ -77,9 +77,9 @@ def _checked(path, parts):
         recorded = {}
     names = sorted(name for name in {*recorded, *found} if recorded.get(name) != found.get(name))
     if names:
-        where = ", ".join(f"variable {name}" if name else "its attributes" for name in names)
+        damaged = ", ".join(f"variable {name}" if name else "its attributes" for name in names)
         raise ParameterError(
-            f"{path} is damaged, or another program has changed it, in {where}",
+            f"{path} is damaged, or another program has changed it, in {damaged}",
             "Put it back from a copy. If the change is meant, delete the attribute "
             f"{DIGESTS} of the file.",
         )
@@ -132,9 +132,9 @@ def _parts_of_zarr(path):
     """Return name -> (dimensions, values, attributes) of each variable, and of the group, `OWN`."""
     import xarray
 
-    how: Any = {"chunks": None, "decode_cf": False, "consolidated": False, "zarr_format": 3}
-    with xarray.open_zarr(path, **how) as raw:
-        parts = {name: (one.dims, one.values, one.attrs) for name, one in raw.variables.items()}
+    options: Any = {"chunks": None, "decode_cf": False, "consolidated": False, "zarr_format": 3}
+    with xarray.open_zarr(path, **options) as raw:
+        parts = {name: (v.dims, v.values, v.attrs) for name, v in raw.variables.items()}
         return parts | {OWN: ((), np.empty(0), raw.attrs)}
 
 
@@ -152,7 +152,7 @@ def read_zarr(path):
         with reading(path):
             return python_text(open_result(path).load())
     variables, attrs = _checked(path, _parts_of_zarr(path))
-    plain = {name: xarray.Variable(*one) for name, one in variables.items()}
+    plain = {name: xarray.Variable(*parts) for name, parts in variables.items()}
     return python_text(xarray.decode_cf(xarray.Dataset(plain, attrs=attrs)).load())
 
 
@@ -166,9 +166,9 @@ def split(data):
         if variable.dtype.kind != "c":
             continue
         parts = {}
-        for part, (words, of) in PARTS.items():
+        for part, (words, part_of) in PARTS.items():
             attrs = {"long_name": f"{variable.attrs['long_name']}, {words}", "part": part}
-            values = of(variable.values)
+            values = part_of(variable.values)
             parts[f"{name}_{part}"] = variable.dims, values, variable.attrs | attrs
         data = data.drop_vars(name).assign(parts)
     return data
@@ -177,16 +177,16 @@ def split(data):
 def joined(data):
     """Return the Dataset before `split`; ParameterError if the parts of a variable differ."""
     for name in [name for name, v in data.variables.items() if v.attrs.get("part") == "real"]:
-        whole = name.removesuffix("_real")
-        real, imag = data[name], data[f"{whole}_imag"]
+        base = name.removesuffix("_real")
+        real, imag = data[name], data[f"{base}_imag"]
         if real.dims != imag.dims:
             raise ParameterError(
-                f"{name} lies along {real.dims}, but {whole}_imag along {imag.dims}, so they "
+                f"{name} lies along {real.dims}, but {base}_imag along {imag.dims}, so they "
                 "cannot be joined into one complex variable"
             )
         values = np.empty(real.shape, complex)
         values.real, values.imag = real.values, imag.values  # infinite parts stay what they are
         attrs = {key: text for key, text in real.attrs.items() if key != "part"}
         attrs["long_name"] = attrs["long_name"].removesuffix(", real part")
-        data = data.drop_vars([name, f"{whole}_imag"]).assign({whole: (real.dims, values, attrs)})
+        data = data.drop_vars([name, f"{base}_imag"]).assign({base: (real.dims, values, attrs)})
     return data

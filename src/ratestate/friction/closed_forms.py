@@ -45,8 +45,8 @@ def call_elementwise(function, given, *dims):
     """
 
     def call(*arrays):
-        full = np.broadcast_arrays(*arrays)
-        return function(**dict(zip(given, full, strict=True)))
+        broadcast = np.broadcast_arrays(*arrays)
+        return function(**dict(zip(given, broadcast, strict=True)))
 
     if any(hasattr(value, "dims") for value in given.values()):
         import xarray
@@ -263,13 +263,13 @@ def steady_modes(eta, kappa, beta, margin):
     q = kappa / rho
     half, discriminant = -p / 2, p**2 / 4 - q
     root = np.sqrt(np.abs(discriminant))
-    paired = discriminant < 0
+    is_pair = discriminant < 0
     outer = half + np.copysign(root, half)
     modes = np.empty((*np.shape(rho), 3), complex)
     with np.errstate(divide="ignore"):
-        real = [np.where(paired, half, outer), np.where(paired, half, q / outer), -rho / eta]
+        real = [np.where(is_pair, half, outer), np.where(is_pair, half, q / outer), -rho / eta]
     modes.real = np.stack(real, -1)
-    modes.imag = np.where(paired, root, 0.0)[..., None] * [1, -1, 0]
+    modes.imag = np.where(is_pair, root, 0.0)[..., None] * [1, -1, 0]
     order = np.argsort(-modes.real, axis=-1, kind="stable")
     modes = np.take_along_axis(modes, order, -1)
     modes[rigid] = [-1.0, -np.inf, -np.inf]

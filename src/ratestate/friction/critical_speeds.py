@@ -59,8 +59,8 @@ def _speeds_by_edges(law, *, sigma, K, M, **values):
     speed = np.where(excess > rounding, speed, 0.0)
     speed = np.where((pairs_at_edge == 0) | np.isinf(K)[..., None], np.inf, speed)
     # number of unstable pairs just above each of these speeds
-    passed = speed[..., None, :] <= speed[..., None]
-    pairs = (pairs_at_edge[..., None, :] * passed).sum(axis=-1)
+    is_passed = speed[..., None, :] <= speed[..., None]
+    pairs = (pairs_at_edge[..., None, :] * is_passed).sum(axis=-1)
     lower = np.where(pairs > 0, speed, np.inf).min(axis=-1)
     later = (pairs <= 0) & (speed > lower[..., None])
     return lower, np.where(later, speed, np.inf).min(axis=-1)
@@ -85,14 +85,14 @@ def _speeds_by_search(law, *, K, **values):
     after = unstable | (np.arange(grid.size) < first[:, None])
     last = after.argmin(axis=1)  # the first stable speed after `first`, 0 if there is none
     inside = grid[np.stack([np.maximum(first - 1, 0), last], axis=1)]
-    outside = grid[np.stack([first, np.maximum(last - 1, 0)], axis=1)]
+    outer = grid[np.stack([first, np.maximum(last - 1, 0)], axis=1)]
     if not has_unstable.all():
         least = np.clip(on_grid.argmin(axis=1), 1, grid.size - 2)
-        around = grid[np.stack([least - 1, least + 1], axis=1)]
-        low, high = around.T[..., None]
-        inside = np.where(has_unstable[:, None], inside, around)
-        outside = np.where(has_unstable[:, None], outside, _minimiser(margin, low, high))
-    lower, upper = np.exp(root_between(margin, inside, outside)).T
+        neighbours = grid[np.stack([least - 1, least + 1], axis=1)]
+        low, high = neighbours.T[..., None]
+        inside = np.where(has_unstable[:, None], inside, neighbours)
+        outer = np.where(has_unstable[:, None], outer, _minimiser(margin, low, high))
+    lower, upper = np.exp(root_between(margin, inside, outer)).T
     lower = np.where(np.isnan(lower), np.inf, lower)
     upper = np.where(np.isnan(upper) | (has_unstable & (last == 0)), np.inf, upper)
     return np.where(unstable[:, 0], 0.0, lower), upper

@@ -84,10 +84,10 @@ class Equations:
         if "damping" in symbols:
             zeta = p.damping * V_ref / (p.a * symbols["sigma"])
             self.zeta = hoisting(zeta)
-            away = (zeta <= 0.0) & (v > LIMIT)  # damping > 0 prevents runaway
+            condition = (zeta <= 0.0) & (v > LIMIT)  # damping > 0 prevents runaway
         else:
-            self.zeta, away = None, law.runaway(v, tuple(psi), kappa, p)
-        self.runs_away = None if away is None else [hoisting(away)]
+            self.zeta, condition = None, law.runaway(v, tuple(psi), kappa, p)
+        self.runs_away = None if condition is None else [hoisting(condition)]
         self.log_theta = self.variables = None
         if any(log is not psi_k for log, psi_k in zip(logs, psi, strict=True)):
             self.log_theta = [hoisting(log) for log in logs]

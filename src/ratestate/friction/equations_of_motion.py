@@ -87,7 +87,7 @@ class Motion:
         is_flat = by_omega.kind == "number" and by_omega.parts[0] == 0.0
         slaved = -dot(by_psi, self.f) / (self.graph.one if is_flat else by_omega)
         self._lists["slaved"] = slaved
-        self._lists["slaved_slopes"] = [along(slaved) for along in self._basis[2:]]
+        self._lists["slaved_slopes"] = [derivative(slaved) for derivative in self._basis[2:]]
 
     def _symbol(self, name, is_constant=False):
         return self.graph.symbol(("motion", name), is_constant=is_constant)
@@ -121,19 +121,19 @@ class Motion:
             changes |= {self.v: omega, self.w: d_omega * self.w}
         changes[symbols["q"]] = -moves * d_log_c * symbols["q"]
         changes |= {symbol: dT * rate for symbol, rate in self.time_rates.items()}
-        along = Derivative(self.graph, changes)
-        along.derivatives[symbols["g"]] = x - along(self.S)
+        derivative = Derivative(self.graph, changes)
+        derivative.derivatives[symbols["g"]] = x - derivative(self.S)
         if self.reverses and with_F:
-            along.derivatives[symbols["F"]] = dot(effects, tuple(map(along, self.f)))
-        return along
+            derivative.derivatives[symbols["F"]] = dot(effects, tuple(map(derivative, self.f)))
+        return derivative
 
     def _add_slopes(self):
         n, zero = 2 + len(self.psi), self.graph.number(0.0)
         self._units = [[self.graph.one if j == k else zero for j in range(n)] for k in range(n)]
         self._basis = [self._derivative_along(*unit) for unit in self._units]
         _, by_omega, *by_psi = self._basis
-        by_own_psi = [along(f) for along, f in zip(by_psi, self.f, strict=True)]
-        S, R = ([along(force) for along in self._basis[1:]] for force in (self.S, self.R))
+        by_own_psi = [derivative(f) for derivative, f in zip(by_psi, self.f, strict=True)]
+        S, R = ([derivative(force) for derivative in self._basis[1:]] for force in (self.S, self.R))
         f_slopes = [[*map(by_omega, self.f)], by_own_psi]
         self._lists |= {"S_slopes": S, "R_slopes": R, "f_slopes": f_slopes}
         if self.time_rates:
@@ -154,7 +154,7 @@ class Motion:
             "changes": [*map(along_and_time, (self.S, self.N, self.R))],
             "N_drift": [by_time(self.N)] if self.time_rates else [],
             "f_drift": [*map(by_time, f)] if self.time_rates else [],
-            "inertia_slopes": [-along(v_row) for along in at_constant_F],
+            "inertia_slopes": [-derivative(v_row) for derivative in at_constant_F],
             "jacobian": _rows(equations, self._basis),
             "curvature": _rows(map(along_z, equations), self._basis),
             "change_of_trace": along_z(sum(self["f_slopes"][1], at_constant_F[0](v_row))),
@@ -190,7 +190,7 @@ def _rows(equations, basis):
     """Return the derivatives of each equation, column -> element, without zeros."""
     rows = []
     for equation in equations:
-        row = {j: along(equation) for j, along in enumerate(basis)}
+        row = {j: derivative(equation) for j, derivative in enumerate(basis)}
         rows.append({j: x for j, x in row.items() if x is not x.graph.number(0.0)})
     return rows
 

@@ -137,10 +137,10 @@ def _operators(function):
     def applied(self, other):
         return function(*map(self.graph.number, (self, other)))
 
-    def from_the_right(self, other):
+    def reflected(self, other):
         return function(*map(self.graph.number, (other, self)))
 
-    return applied, from_the_right
+    return applied, reflected
 
 
 def _sum(x, y):

@@ -299,8 +299,8 @@ class _CodeFunctions:
         return q * (low + z4 * (middle + z4 * high))
 
     def log1p(self, x):  # adds the part of x that rounding of 1 + x loses
-        whole = 1.0 + x
-        return log(whole) + (x - (whole - 1.0)) / whole
+        rounded = 1.0 + x
+        return log(rounded) + (x - (rounded - 1.0)) / rounded
 
     def softplus(self, x):
         t = exp(-abs(x))

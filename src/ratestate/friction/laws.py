@@ -12,10 +12,10 @@ LAWS = {law.name: law for law in BUILT_IN}
 LAW_NAMES = {name: law.name for law in LAWS.values() for name in (law.name, *law.synonyms)}
 
 
-def add(law, own):
-    """Add a law; `own`, its name without the hash, and its synonyms then select it."""
+def add(law, base_name):
+    """Add a law; `base_name`, its name without the hash, and its synonyms then select it."""
     LAWS[law.name] = law
-    LAW_NAMES.update(dict.fromkeys((law.name, own, *law.synonyms), law.name))
+    LAW_NAMES.update(dict.fromkeys((law.name, base_name, *law.synonyms), law.name))
 
 
 def one_length_laws():
@@ -48,11 +48,11 @@ def law_name(law):
     if name := find_law_name(law):
         return name
     if isinstance(law, str) and HASH_MARK in law:
-        own = law.partition(HASH_MARK)[0]
+        base_name = law.partition(HASH_MARK)[0]
         raise ParameterError(
             "is a user's law that is not registered",
             (
-                f"Register its file, ratestate.register('{own}.py'). The part after "
+                f"Register its file, ratestate.register('{base_name}.py'). The part after "
                 f"{HASH_MARK} is a hash of its formula."
             ),
             symbol="law",

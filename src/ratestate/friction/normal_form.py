@@ -120,10 +120,10 @@ def lyapunov_1_of_law(law, p, kappa, eta, omega):
         return eta * L * v + S_v * v - r[1] + dot(S_psi, psi), v, *psi
 
     L = 1j * _extended(omega).astype(np.clongdouble)
-    one = np.ones_like(L)
+    ones = np.ones_like(L)
     # eigenvectors of A and of its transpose; `left` multiplies vectors with v elements times eta
-    q = (-kappa / L, one, *(f / (L - g) for f, g in zip(f_v, f_psi, strict=True)))
-    left = (one / L, one, *(-S / (L - g) for S, g in zip(S_psi, f_psi, strict=True)))
+    q = (-kappa / L, ones, *(f / (L - g) for f, g in zip(f_v, f_psi, strict=True)))
+    left = (ones / L, ones, *(-S / (L - g) for S, g in zip(S_psi, f_psi, strict=True)))
     norm = left[0] * q[0] + eta + dot(left[2:], q[2:])
     q_ = tuple(np.conj(x) for x in q)
     terms = (
@@ -156,8 +156,8 @@ def _multilinear_forms(law):
     inputs, forms = [v, g, kappa, *psi, *p], {}
     for order in (1, 2, 3):
         x, *y = (graph.symbol((order, name)) for name in ("x", "v", *law.states))
-        along = Derivative(graph, dict(zip((v, *psi), y, strict=True)))
-        along.derivatives[g] = x - along(at.S)
-        equations, inputs = [*map(along, equations)], [*inputs, x, *y]
+        derivative = Derivative(graph, dict(zip((v, *psi), y, strict=True)))
+        derivative.derivatives[g] = x - derivative(at.S)
+        equations, inputs = [*map(derivative, equations)], [*inputs, x, *y]
         forms[order] = equations, inputs
     return forms

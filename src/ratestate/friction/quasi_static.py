@@ -50,7 +50,7 @@ from .laws import law_name
 #: points of the trapezoidal rule round a cycle; a multiple of 4 keeps them off the axes
 POINTS = 512
 # ln(V/V_lp) above which exp(-v) is below rounding; the tolerance along the edge of runaway
-FAST, RTOL = 40.0, 1e-12
+LARGE_V, RTOL = 40.0, 1e-12
 
 
 def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
@@ -270,10 +270,10 @@ def edge_of_slip_law(kappa, beta, largest):
         return y[0] - v
 
     kick.terminal = 2  # type: ignore[attr-defined]  # the second is the kick down, after the step
-    fast = kappa / c - kappa * np.exp(-FAST) / (c + kappa / c)
+    fast = kappa / c - kappa * np.exp(-LARGE_V) / (c + kappa / c)
     path = solve_ivp(
         slope,
-        (max(FAST, largest), -largest),
+        (max(LARGE_V, largest), -largest),
         [fast],
         method="LSODA",
         events=(step, kick),

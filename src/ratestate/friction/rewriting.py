@@ -35,10 +35,10 @@ class Derivative:
 
     def __call__(self, x):
         if x not in self.derivatives:
-            self.derivatives[x] = self.graph.number(0.0) if x.is_constant else self._of(x)
+            self.derivatives[x] = self.graph.number(0.0) if x.is_constant else self._derivative(x)
         return self.derivatives[x]
 
-    def _of(self, x):
+    def _derivative(self, x):
         total = self.graph.number(0.0)
         if x.kind == "sum":
             for term, factor in x.parts:
@@ -87,10 +87,10 @@ class Hoisting:
 
     def _multiple(self, x, factor):
         """Return a multiple of an expression, with its constant factors as one symbol."""
-        inner, powers = x.powers
+        inner_factor, powers = x.powers
         constant = {base: n for base, n in powers.items() if base.is_constant}
         varying = {self(base): n for base, n in powers.items() if base not in constant}
-        coefficient = self._symbol_for(x.graph.product(factor * inner, constant))
+        coefficient = self._symbol_for(x.graph.product(factor * inner_factor, constant))
         return coefficient * self.graph.product(1.0, varying)
 
     def _symbol_for(self, constant):
@@ -176,13 +176,13 @@ def _text_of_sum(x, name):
 
 def _power(x, exponent):
     """Return x**exponent, for an exponent > 0."""
-    whole = int(exponent)
-    if exponent - whole == 0.5:
+    integer = int(exponent)
+    if exponent - integer == 0.5:
         root = functions.sqrt(x)
-        return root if whole == 0 else root * _power(x, whole)
-    if exponent != whole:
+        return root if integer == 0 else root * _power(x, integer)
+    if exponent != integer:
         return functions.exp(exponent * functions.log(x))
-    if whole == 1:
+    if integer == 1:
         return x
-    half = _power(x, whole // 2)
-    return half * half if whole % 2 == 0 else half * half * x
+    half = _power(x, integer // 2)
+    return half * half if integer % 2 == 0 else half * half * x

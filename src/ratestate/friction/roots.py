@@ -37,20 +37,20 @@ def root_between(function, low, high):
     x, y, other, y_other = high, function(high), low, function(low)
     best = np.where(np.sign(y) * np.sign(y_other) <= 0.0, x, np.nan)
     best = np.where(y_other == 0.0, other, best)
-    done = np.isnan(best) | (y == 0.0) | (y_other == 0.0)
+    is_done = np.isnan(best) | (y == 0.0) | (y_other == 0.0)
     fraction = np.full(np.shape(best), 0.5)
     for _ in range(2 * MAX_STEPS):
-        if done.all():
+        if is_done.all():
             break
         new = x + fraction * (other - x)
         y_new = function(new)
-        stays = (y_new > 0.0) == (y > 0.0)  # then x is dropped, else `other`
-        dropped, y_dropped = np.where(stays, x, other), np.where(stays, y, y_other)
-        other, y_other = np.where(stays, other, x), np.where(stays, y_other, y)
+        keeps_sign = (y_new > 0.0) == (y > 0.0)  # then x is dropped, else `other`
+        dropped, y_dropped = np.where(keeps_sign, x, other), np.where(keeps_sign, y, y_other)
+        other, y_other = np.where(keeps_sign, other, x), np.where(keeps_sign, y_other, y)
         x, y = new, y_new
-        best = np.where(done, best, np.where(np.abs(y) < np.abs(y_other), x, other))
+        best = np.where(is_done, best, np.where(np.abs(y) < np.abs(y_other), x, other))
         least = 2.0**-52 * np.abs(best) / np.abs(other - x)
-        done = done | (y == 0.0) | ~(least < 0.5)
+        is_done = is_done | (y == 0.0) | ~(least < 0.5)
         u, f = (x - other) / (dropped - other), (y - y_other) / (y_dropped - y_other)
         smooth = (f**2 < u) & ((1.0 - f) ** 2 < 1.0 - u)
         inverse = y / (y_other - y) * y_dropped / (y_other - y_dropped)
@@ -95,16 +95,16 @@ def _iterate(c):
     """Return the `polynomial_roots` for c (m, n + 1); NaN if a root overflows."""
     z = _start_values(c)
     z[~np.isfinite(z).all(axis=-1)] = np.nan
-    moving = np.arange(len(c))
+    active = np.arange(len(c))
     for _ in range(MAX_STEPS):
-        current = z[moving]
+        current = z[active]
         distance = current[:, :, None] - current[:, None, :]
         repulsion = np.where(distance == 0.0, 0.0, 1.0 / distance).sum(axis=-1)
-        step = 1.0 / (_slope_over_value(c[moving], current) - repulsion)
+        step = 1.0 / (_slope_over_value(c[active], current) - repulsion)
         step[~np.isfinite(step)] = 0.0  # the polynomial is (almost) 0 here
-        z[moving] = current - step
-        moving = moving[(np.abs(step) > CONVERGED * np.abs(current)).any(axis=-1)]
-        if not len(moving):
+        z[active] = current - step
+        active = active[(np.abs(step) > CONVERGED * np.abs(current)).any(axis=-1)]
+        if not len(active):
             break
     return z
 
@@ -138,6 +138,6 @@ def _slope_over_value(c, z):
 def _pair_conjugates(z):
     """Pair roots (m, n) that are nearest to each other's conjugate; make others real."""
     partner = np.abs(z[:, :, None].conj() - z[:, None, :]).argmin(axis=-1)
-    paired = np.take_along_axis(partner, partner, axis=-1) == np.arange(z.shape[-1])
+    is_pair = np.take_along_axis(partner, partner, axis=-1) == np.arange(z.shape[-1])
     mean = 0.5 * z + 0.5 * np.take_along_axis(z, partner, axis=-1).conj()
-    return np.where(paired, mean, z.real)
+    return np.where(is_pair, mean, z.real)

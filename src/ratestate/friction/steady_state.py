@@ -29,21 +29,21 @@ def _steady_variable(law, k, p, v, start):
     def rate(psi_k, v, *p):
         return at(psi_k, v, p).f[k]
 
-    psi_k, done = start[k], np.zeros(np.shape(start[k]), bool)
+    psi_k, is_done = start[k], np.zeros(np.shape(start[k]), bool)
     previous = np.full(np.shape(psi_k), np.inf)
     with np.errstate(all="ignore"):  # steps may overflow
         for _ in range(ITERATIONS):
-            here = at(psi_k, v, p)
-            value, slope = here.f[k], here.f_slopes[1][k]
+            point = at(psi_k, v, p)
+            value, slope = point.f[k], point.f_slopes[1][k]
             step = np.where(value == 0.0, 0.0, value / slope)
-            psi_k = np.where(done, psi_k, psi_k - step)
+            psi_k = np.where(is_done, psi_k, psi_k - step)
             size, change = np.maximum(1.0, np.abs(psi_k)), np.abs(step)
             is_rounding = (change < 1e-10 * size) & (change >= 0.5 * previous)
-            done = done | (((change <= 1e-15 * size) | is_rounding) & np.isfinite(psi_k))
+            is_done = is_done | (((change <= 1e-15 * size) | is_rounding) & np.isfinite(psi_k))
             previous = change
-            if done.all():
+            if is_done.all():
                 return psi_k
-        remaining = ~done & np.isfinite(start[k])
+        remaining = ~is_done & np.isfinite(start[k])
         v, p = v[remaining], [x[remaining] for x in p]
         psi_k[remaining] = root(lambda psi_k: -rate(psi_k, v, *p), start[k][remaining])
         return psi_k
@@ -53,8 +53,8 @@ def steady_problem(at):
     """Return the problem with a user's law or friction in steady sliding, "" if none."""
     law = at.law
     if HASH_MARK in law.name and all(np.all(np.isfinite(x)) for x in at.p):
-        for name, one in zip(law.states, at.psi, strict=True):
-            if not np.all(np.isfinite(one)):
+        for name, psi in zip(law.states, at.psi, strict=True):
+            if not np.all(np.isfinite(psi)):
                 return f"{name} has no steady value"
         for name, slope in zip(law.states, at.f_slopes[1], strict=True):
             if not np.all(slope < 0.0):

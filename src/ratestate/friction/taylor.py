@@ -117,9 +117,9 @@ class _Expansion:
 
     def _combination(self, terms, k):
         """Return the coefficient of order k of a sum of such terms."""
-        early = [times(a, self.at(x, k)) for a, x in terms if (x, k) not in self.slopes]
-        late = [(times(a, 1.0 / k), x) for a, x in terms if (x, k) in self.slopes]
-        return total([*early, *(times(a, self.slopes[x, k]) for a, x in late)])
+        by_value = [times(a, self.at(x, k)) for a, x in terms if (x, k) not in self.slopes]
+        by_slope = [(times(a, 1.0 / k), x) for a, x in terms if (x, k) in self.slopes]
+        return total([*by_value, *(times(a, self.slopes[x, k]) for a, x in by_slope)])
 
     def _sum(self, k, node, *_):
         return self._combination(self._linear_terms(node), k)
@@ -137,17 +137,17 @@ class _Expansion:
         # x = q y: q_k = (x_k - sum_(j<k) q_j y_(k-j))/y_0
         terms, inverse = self.quotients[node]
         pairs = {j: (self.at(node, j), self.at(y, k - j)) for j in range(1, k)}
-        early = times(convolution(pairs, k), inverse)
-        late = times(times(self.at(node, 0), inverse), self.at(y, k))
-        return total([-early, self._combination(terms, k), -late])
+        products = times(convolution(pairs, k), inverse)
+        last_term = times(times(self.at(node, 0), inverse), self.at(y, k))
+        return total([-products, self._combination(terms, k), -last_term])
 
     def _function(self, k, node, x, inner):
         """Apply f' = inner x': k f_k = sum_j j x_j inner_(k-j)."""
         if k == 0:
             return self._value_at_start(node)
         pairs = {j: (self._slope(x, j), self.at(inner, k - j)) for j in range(1, k)}
-        late = times(times(self.at(inner, 0), 1.0 / k), self._slope(x, k))
-        return total([times(convolution(pairs, k), 1.0 / k), late])
+        last_term = times(times(self.at(inner, 0), 1.0 / k), self._slope(x, k))
+        return total([times(convolution(pairs, k), 1.0 / k), last_term])
 
 
 def _rule(node):

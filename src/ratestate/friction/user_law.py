@@ -114,8 +114,8 @@ def make_user_law(kind):
     if not isinstance(getattr(kind, "label", None), str):
         law.label = f"{name} law"
     bases = kind.__mro__[: kind.__mro__.index(FrictionLaw)]
-    own = {name for base in bases for name in vars(base)}
-    if "rates" in own:
+    defined = {name for base in bases for name in vars(base)}
+    if "rates" in defined:
         raise ParameterError(
             f"law {name!r} has the method rates, an old form of laws",
             (
@@ -123,7 +123,7 @@ def make_user_law(kind):
                 "returns d theta/dt."
             ),
         )
-    if derived := sorted(x for x in own if hasattr(FrictionLaw, x) and x not in REPLACEABLE):
+    if derived := sorted(x for x in defined if hasattr(FrictionLaw, x) and x not in REPLACEABLE):
         raise ParameterError(
             (
                 f"law {name!r} defines {derived[0]}, a name that ratestate uses for a quantity "
@@ -131,14 +131,14 @@ def make_user_law(kind):
             ),
             "Rename or remove it.",
         )
-    if "evolution" not in own:
+    if "evolution" not in defined:
         raise ParameterError(
             f"law {name!r} has no method evolution",
             "Add evolution(self, V, theta, p), which returns d theta/dt.",
         )
     try:
         _check_states(law)
-        quantities = {symbol: (one.unit, one.bound) for symbol, one in law.parameters.items()}
+        quantities = {symbol: (spec.unit, spec.bound) for symbol, spec in law.parameters.items()}
         content = f"{law.form} {dict(law.states)} {quantities}\n{law.equations.text}"
     except USER_ERRORS as error:
         raise ParameterError(describe_error(name, law, error)) from error
@@ -220,7 +220,7 @@ def check_formulas(law, values):
     _check_finite("a derivative of ", "evolution", at.f_slopes)
     _check_finite("", "friction", at.R)
     _check_finite("a derivative of ", "friction", at.R_slopes)
-    if (by_v := _on_grid(at.R_slopes[0])).min() <= 0.0:
+    if (by_v := _grid_values(at.R_slopes[0])).min() <= 0.0:
         k = np.argmax(by_v <= 0.0)
         raise FormulaError(
             f"friction must rise with V at a constant state: d mu/d ln V = "
@@ -229,15 +229,15 @@ def check_formulas(law, values):
             "friction",
         )
     for name, rate in zip(law.states, at.f, strict=True):
-        for V, row in zip(SPEEDS[:, 0], _on_grid(rate), strict=True):
+        for V, row in zip(SPEEDS[:, 0], _grid_values(rate), strict=True):
             _check_steady(name, V, row)
     if problem := steady_problem(steady_point(law, p, 0.0)):
         raise FormulaError(
             f"{problem}. Correct evolution, or the examples of parameters.", "evolution"
         )
     logs = tuple(AGES + k for k in range(len(law.states)))
-    again = law.log_states(0.4, law.variables(0.4, logs, p), p)
-    if not all(np.abs(x - y).max() <= INVERSION_ERROR for x, y in zip(logs, again, strict=True)):
+    inverse = law.log_states(0.4, law.variables(0.4, logs, p), p)
+    if not all(np.abs(x - y).max() <= INVERSION_ERROR for x, y in zip(logs, inverse, strict=True)):
         raise FormulaError(
             "variables_of is not the inverse of log_theta. Correct one of them.", "variables_of"
         )
@@ -261,7 +261,7 @@ def _check_finite(prefix, method, numbers):
     if isinstance(numbers, tuple):
         for number in numbers:
             _check_finite(prefix, method, number)
-    elif (bad := ~np.isfinite(_on_grid(numbers))).any():
+    elif (bad := ~np.isfinite(_grid_values(numbers))).any():
         raise FormulaError(
             f"{prefix}{method} is infinite or NaN at {_describe_point(np.argmax(bad))}. Give "
             f"another formula for this range with ratestate.laws.where.",
@@ -281,16 +281,16 @@ def _check_steady(name, V, rate):
             f"V {name}/D from 2e-9 to 1e9. Correct evolution, or the examples of parameters.",
             "evolution",
         )
-    where = " and ".join(f"{np.exp(ages[k]):.3g}" for k in at)
+    ages_text = " and ".join(f"{np.exp(ages[k]):.3g}" for k in at)
     problem = "several steady values" if len(at) > 1 else "an unstable steady value"
     raise FormulaError(
-        f"{name} has {problem} at V = {V:.3g} m/s: V {name}/D near {where}. It needs "
+        f"{name} has {problem} at V = {V:.3g} m/s: V {name}/D near {ages_text}. It needs "
         f"exactly one, which {name} approaches.",
         "evolution",
     )
 
 
-def _on_grid(x):
+def _grid_values(x):
     return np.broadcast_to(x, (SPEEDS.size, AGES.size))
 
 

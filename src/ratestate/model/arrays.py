@@ -45,8 +45,8 @@ def check_aligned(values):
                 if dim not in first or other_index is None:
                     first[dim] = (symbol, size, index)
                 continue
-            both = f"{other} and {symbol}"
-            raise refusal("arrays.clash", both=both, clash=clash, dim=dim)
+            symbols = f"{other} and {symbol}"
+            raise refusal("arrays.clash", both=symbols, clash=clash, dim=dim)
 
 
 def isel(value, indices):
@@ -111,8 +111,8 @@ def concat(values):
 
     arrays = {name: as_column(value) for name, value in values.items()}
     check_aligned({name: array.isel(segment=0) for name, array in arrays.items()})
-    apart = xarray.broadcast(*arrays.values(), exclude=["segment"])
-    parts = [part.transpose(..., "segment") for part in apart]
+    broadcast = xarray.broadcast(*arrays.values(), exclude=["segment"])
+    parts = [part.transpose(..., "segment") for part in broadcast]
     data = np.concatenate([part.values for part in parts], axis=-1)
     coords = {name: labels for part in parts for name, labels in part.coords.items()}
     return xarray.DataArray(data, coords, parts[0].dims)
@@ -193,8 +193,8 @@ class Batch:
     def _flat(self, value):
         if not is_array(value):
             return np.full(self.n, value)
-        full = value.expand_dims({d: n for d, n in self.sizes.items() if d not in value.dims})
-        return np.ascontiguousarray(full.transpose(*self.dims).values.ravel())
+        expanded = value.expand_dims({d: n for d, n in self.sizes.items() if d not in value.dims})
+        return np.ascontiguousarray(expanded.transpose(*self.dims).values.ravel())
 
     def at_reference(self, law):
         """Return mu_ref (n,) and the law's coefficients, arrays (n,) too, at V_ref = V0."""

@@ -64,7 +64,7 @@ def in_units(result, /, **units):
 def find_variable(result, name):
     """Return a variable's name in a result, or None; ``t`` may stand for ``time``."""
     names = (name, "time") if name == "t" else (name,)
-    return next((one for one in names if one in result.variables), None)
+    return next((known for known in names if known in result.variables), None)
 
 
 def in_si(result):
@@ -89,8 +89,8 @@ def _convert_variable(name, variable, unit):
     is_number = variable.dtype.kind in "iufc" and "flag_values" not in variable.attrs
     if name not in QUANTITIES or old_unit is None or not is_number:
         raise ParameterError("is not a quantity with a unit", "Leave it out.", symbol=name)
-    old, new = (si_factor(name, str(one)) for one in (old_unit, unit))
-    converted = variable.copy(data=scaled(variable.values, old / new))
+    old_factor, new = (si_factor(name, str(unit_text)) for unit_text in (old_unit, unit))
+    converted = variable.copy(data=scaled(variable.values, old_factor / new))
     converted.attrs["units"] = unit
     return converted
 

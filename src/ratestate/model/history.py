@@ -77,11 +77,11 @@ class History:
         """Return the history with a straight line to a value from t on."""
         t, before = self._event_time(t), self.end[..., -1]
         value, seconds = self._checked(t, value), _duration(t, duration, "ramp")
-        longer = self._followed_by((t, before, value), (t + seconds, value, value))
+        extended = self._followed_by((t, before, value), (t + seconds, value, value))
         with np.errstate(over="ignore"):
-            if np.isinf(longer.rate).any():
+            if np.isinf(extended.rate).any():
                 raise refusal("history.short_ramp", duration=duration)
-        return longer
+        return extended
 
     def _event_time(self, t):
         """Return the time [s] of a new event, which must follow the last event."""
@@ -130,9 +130,9 @@ class History:
 
     def refined(self, t):
         """Return the same history in segments that begin at t [s], which has all of its own."""
-        k, until = self.segments_at(t), self.until if np.isfinite(self.until) else t[-1]
+        k, last = self.segments_at(t), self.until if np.isfinite(self.until) else t[-1]
         columns = self.start[..., k], self.end[..., k], self.durations[k]
-        ends = (x - self.t[k] for x in (t, np.append(t[1:], until)))
+        ends = (x - self.t[k] for x in (t, np.append(t[1:], last)))
         start, end = (_on_line(*columns, elapsed) for elapsed in ends)
         return dataclasses.replace(self, t=t, start=start, end=end)
 
@@ -176,8 +176,8 @@ class History:
         """
         first = self.start[..., 0]
         if np.any(np.abs(first - sigma) > SIGMA_TOLERANCE * sigma):
-            both = {"first": float(np.max(first)), "sigma": float(np.max(sigma))}
-            raise refusal("stress.other_start", **both)
+            values = {"first": float(np.max(first)), "sigma": float(np.max(sigma))}
+            raise refusal("stress.other_start", **values)
         if not self.oscillates:
             return  # values of steps, ramps and records have been checked when they were given
         lowest, begin, end = self.with_sigma(sigma)._lowest(t_end)
@@ -191,13 +191,13 @@ class History:
         columns = self.t, np.append(self.t[1:], np.inf), self.start, self.end
         begin, following, start, end = map(as_column, columns)
         last = xarray.DataArray(t_end)
-        until = xarray.where(following < last, following, last)
-        base = np.minimum(start, start + (until - begin) / (following - begin) * (end - start))
-        low = base + self.amplitude * _lowest_sine(begin / self.period, until / self.period)
-        low = low.where(until > begin, np.inf)
-        each = low.min([dim for dim in low.dims if dim != "segment"])
-        k = int(each.values.argmin())
-        return float(each[k]), float(begin[k]), float(until.isel(segment=k).max())
+        end_time = xarray.where(following < last, following, last)
+        base = np.minimum(start, start + (end_time - begin) / (following - begin) * (end - start))
+        low = base + self.amplitude * _lowest_sine(begin / self.period, end_time / self.period)
+        low = low.where(end_time > begin, np.inf)
+        lowest = low.min([dim for dim in low.dims if dim != "segment"])
+        k = int(lowest.values.argmin())
+        return float(lowest[k]), float(begin[k]), float(end_time.isel(segment=k).max())
 
 
 def _on_line(start, end, duration, elapsed):

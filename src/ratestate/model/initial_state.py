@@ -163,5 +163,5 @@ def _raise_disagreement(law, batch, i, v, states, p, given):
     where, remedy = "without inertia (M = 0)", "Leave one of them out, or give M > 0."
     if np.isinf(K):
         where, remedy = "if K = inf,", f"Leave {names.replace('and', 'or')} or tau out."
-    which = f"V, {names} and tau" if "V" in given else f"{names} and tau"
-    raise refusal("initial.disagree", which=which, where=where, remedy=remedy, **values)
+    quantities = f"V, {names} and tau" if "V" in given else f"{names} and tau"
+    raise refusal("initial.disagree", which=quantities, where=where, remedy=remedy, **values)

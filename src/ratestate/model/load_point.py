@@ -67,13 +67,13 @@ def recorded(method):
         result = method(loading, *args, **kwargs)
         _, *given = signature.bind(loading, *args, **kwargs).arguments.items()
         call = Call(method.__name__, {name: value for name, value in given if value is not None})
-        kept = {name: _to_keep(call, name, value) for name, value in call.arguments.items()}
+        kept = {name: _value_to_record(call, name, value) for name, value in call.arguments.items()}
         return dataclasses.replace(result, calls=(*loading.calls, Call(call.method, kept)))
 
     return call_and_record
 
 
-def _to_keep(call, name, value):
+def _value_to_record(call, name, value):
     if isinstance(value, str):
         return value
     if call.method == "series":
@@ -236,9 +236,9 @@ class LoadPoint:
         elif not isinstance(t, np.ndarray):
             t = to_si("t", t)
         seconds = np.asarray(t, dtype=float)
-        outside = ~((seconds >= 0) & (seconds <= self.t_last))
-        if outside.any():
-            raise refusal("loading.outside", t=seconds[outside].flat[0], last=self.t_last)
+        is_outside = ~((seconds >= 0) & (seconds <= self.t_last))
+        if is_outside.any():
+            raise refusal("loading.outside", t=seconds[is_outside].flat[0], last=self.t_last)
         return t if is_array(t) else seconds
 
     @functools.cached_property

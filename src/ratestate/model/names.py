@@ -47,8 +47,8 @@ def one_of(names, given=None, like=""):
     names = list(names)
     near = nearest(given, names)
     meant = f" Did you mean {near}?" if near else ""
-    such = f", such as {like}" if like else ""
-    return f"Give {'one of ' if len(names) > 1 else ''}{', '.join(names)}{such}.{meant}"
+    example = f", such as {like}" if like else ""
+    return f"Give {'one of ' if len(names) > 1 else ''}{', '.join(names)}{example}.{meant}"
 
 
 def check_keywords(caller, given, names):
@@ -64,7 +64,7 @@ def check_keywords(caller, given, names):
 def keywords_checked(function):
     """Wrap a function: mistyped and missing arguments raise ParameterError, not TypeError."""
     names = inspect.signature(function).parameters
-    required = [name for name, one in names.items() if one.default is one.empty]
+    required = [name for name, parameter in names.items() if parameter.default is parameter.empty]
 
     @functools.wraps(function)
     def checked(*args, **keywords):

@@ -41,9 +41,9 @@ def sinusoid_history(V_lp, amplitude, period, t_end):
     periods, cases = t_end / period, np.size(V_lp + amplitude)
     needed = periods * LINES_PER_PERIOD
     if not (needed <= MAX_LINES and needed * cases <= MAX_SPEEDS):
-        most = {"most": MAX_LINES, "most_in_all": MAX_SPEEDS}
+        limits = {"most": MAX_LINES, "most_in_all": MAX_SPEEDS}
         sizes = {"periods": periods, "needed": needed, "cases": cases}
-        raise refusal("sinusoid.too_long", t_end=t_end, **sizes, **most)
+        raise refusal("sinusoid.too_long", t_end=t_end, **sizes, **limits)
     n = LINES_PER_PERIOD
     odd = np.arange(1, 2 * n, 2)
     half = np.sin(np.pi * odd[: n // 2] / n)
@@ -66,10 +66,10 @@ def sinusoid_history(V_lp, amplitude, period, t_end):
     return history
 
 
-def period_of(what, period, frequency):
+def period_of(name, period, frequency):
     """Return the period [s] of `what` from its period or frequency."""
     if (period is None) == (frequency is None):
-        raise refusal("sinusoid.no_period", what=what)
+        raise refusal("sinusoid.no_period", what=name)
     if frequency is None:
         return to_si("period", period, bound="> 0")
     with np.errstate(divide="ignore"):

@@ -126,13 +126,13 @@ class SpringSlider(SliderParameters):
         """
         law = resolve_law(parameters.get("law", DEFAULT))
         extra = extra_parameters(law, form_of(law, parameters.get("friction_form")))
-        whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
+        contact_values = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
         if dashpot is not None:
-            whole["dashpot"] = dashpot
+            contact_values["dashpot"] = dashpot
         others = [name for name in (*COMMON, *extra) if name not in WHOLE_CONTACT.values()]
         check_keywords("SpringSlider.of_contact", parameters, (*WHOLE_CONTACT, *others))
         given = {"area": to_si("area", area)}
-        for name, value in whole.items():
+        for name, value in contact_values.items():
             symbol = WHOLE_CONTACT[name]
             given[symbol] = parameter_to_si(symbol, value, given, quantity=name, label=name)
         return cls(**given, **parameters)
@@ -157,7 +157,7 @@ class SpringSlider(SliderParameters):
         It is the lowest such velocity: 0 if steady sliding is unstable at all low velocities, and
         inf if steady sliding is stable at all velocities.
         """
-        return self._evaluate("V_c", V_c, "V_c", **self._pick("sigma", "K", "M"))
+        return self._evaluate("V_c", V_c, "V_c", **self._values_of("sigma", "K", "M"))
 
     @property
     def V_c_upper(self):
@@ -165,12 +165,12 @@ class SpringSlider(SliderParameters):
 
         Under a law with a characteristic speed, it may become unstable again above V_c_upper.
         """
-        return self._evaluate("V_c_upper", V_c, "V_c_upper", **self._pick("sigma", "K", "M"))
+        return self._evaluate("V_c_upper", V_c, "V_c_upper", **self._values_of("sigma", "K", "M"))
 
     @property
     def f_n(self):
         """Natural frequency [Hz], sqrt(K/M)/(2 pi); inf if M = 0 or K = inf."""
-        return named("f_n", f_n(**self._pick("K", "M")))
+        return named("f_n", f_n(**self._values_of("K", "M")))
 
     def K_c(self, V):
         """Return the critical stiffness for sliding at V (eq. 6).
@@ -188,7 +188,7 @@ class SpringSlider(SliderParameters):
         float or DataArray
             K_c [Pa/m].
         """
-        return self._evaluate("K_c", K_c, V=self._speed_in_si(V), **self._pick("sigma", "M"))
+        return self._evaluate("K_c", K_c, V=self._speed_in_si(V), **self._values_of("sigma", "M"))
 
     def eta(self, V):
         """Return the dynamic instability coefficient for sliding at V (eq. 7).
@@ -203,7 +203,7 @@ class SpringSlider(SliderParameters):
         float or DataArray
             Coefficient eta [1].
         """
-        return named("eta", eta(self._speed_in_si(V), **self._pick("a", "Dc", "sigma", "M")))
+        return named("eta", eta(self._speed_in_si(V), **self._values_of("a", "Dc", "sigma", "M")))
 
     def steady_stress(self, V):
         """Return tau/sigma in steady sliding at V: friction, and damping if there is any.
@@ -222,7 +222,7 @@ class SpringSlider(SliderParameters):
         def of_law(law, V, **values):
             return law.steady_tau(V, values)
 
-        values = self._pick("sigma", "mu0", "V0")
+        values = self._values_of("sigma", "mu0", "V0")
         return self._evaluate("tau_by_sigma", of_law, V=self._speed_in_si(V), **values)
 
     def _evaluate(self, symbol, function, part=None, **given):
@@ -232,10 +232,10 @@ class SpringSlider(SliderParameters):
             result = function(self.friction_law, **arrays)
             return result if part is None else getattr(result, part)
 
-        values = given | self._pick(*self.friction_law.symbols)
+        values = given | self._values_of(*self.friction_law.symbols)
         return named(symbol, call_elementwise(of_arrays, values))
 
-    def _pick(self, *symbols):
+    def _values_of(self, *symbols):
         return {symbol: getattr(self, symbol) for symbol in symbols}
 
     def _speed_in_si(self, V):

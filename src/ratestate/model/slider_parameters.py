@@ -133,9 +133,9 @@ class SliderParameters:
         ParameterError
             If a parameter is unknown or mistyped, or if a value has a wrong unit or range.
         """
-        old, law = friction_law(self.law), resolve_law(changes.get("law", self.law))
+        old_law, law = friction_law(self.law), resolve_law(changes.get("law", self.law))
         kept = self.parameters
-        if old.form != LOG and law != old:
+        if old_law.form != LOG and law != old_law:
             kept.pop("friction_form", None)  # the form belongs to the old law
         form = form_of(law, (kept | changes).get("friction_form"))
         known = {*COMMON, *extra_parameters(law, form)}

@@ -174,12 +174,12 @@ def _to_float(symbol, value, label):
             return float(value)
         except OverflowError:  # an int beyond 1e308
             return np.inf if value > 0 else -np.inf
-    many = ""
+    array_hint = ""
     if hasattr(value, "__len__") and not isinstance(value, str | bytes):
-        many = f" For many values give xarray.DataArray(values, dims='{symbol}')."
+        array_hint = f" For many values give xarray.DataArray(values, dims='{symbol}')."
     raise ParameterError(
         f"is of type {type(value).__name__}",
-        QUANTITIES[symbol].remedy + many,
+        QUANTITIES[symbol].remedy + array_hint,
         symbol=label,
         value=reprlib.repr(value),
     )
@@ -205,7 +205,7 @@ def _hint(symbol, unit):
     si = QUANTITIES[symbol].unit
     usual = (prefixed_unit(si, power) for power in POWERS.get(si, (0,)))
     plain = unit.replace("^", "").lower()
-    near = [one for one in usual if si != "1" and one.replace("^", "").lower() == plain]
+    near = [known for known in usual if si != "1" and known.replace("^", "").lower() == plain]
     return f" Did you mean {near[0]!r}?" if near else ""
 
 
@@ -226,15 +226,15 @@ def unit_factor(si, unit):
     if not _EXPRESSION.fullmatch(unit):
         raise ValueError(f"has an unknown unit {unit!r}")
     try:
-        one = _registry().Quantity(Decimal(1), text)
-        if one.is_compatible_with(si):
-            return one.to(si if si != "1" else "dimensionless").magnitude
-        dimension = str(one.dimensionality)
+        quantity = _registry().Quantity(Decimal(1), text)
+        if quantity.is_compatible_with(si):
+            return quantity.to(si if si != "1" else "dimensionless").magnitude
+        dimension = str(quantity.dimensionality)
     except Exception:  # of many types, AssertionError among them; dB has no linear factor
         raise ValueError(f"has an unknown unit {unit!r}") from None
-    if si in _PER_AREA and one.is_compatible_with(f"({si}) * m**2"):
+    if si in _PER_AREA and quantity.is_compatible_with(f"({si}) * m**2"):
         raise ValueError(OF_WHOLE_CONTACT)
-    kinds = [KINDS[known][0] for known in KINDS if one.is_compatible_with(known)]
+    kinds = [KINDS[known][0] for known in KINDS if quantity.is_compatible_with(known)]
     raise ValueError(f"is {kinds[0] if kinds else f'of dimension {dimension}'}")
 
 
@@ -256,8 +256,8 @@ def _array_to_si(symbol, array, label, bound):
     if hasattr(array.data, "magnitude"):  # pint inside xarray
         unit, array = str(array.data.units), array.copy(data=array.data.magnitude)
     if array.dtype.kind not in "iuf" or array.size == 0:
-        what = f"of dtype {array.dtype}" if array.size else "without values"
-        raise ParameterError(f"is a DataArray {what}", QUANTITIES[symbol].remedy, symbol=label)
+        fault = f"of dtype {array.dtype}" if array.size else "without values"
+        raise ParameterError(f"is a DataArray {fault}", QUANTITIES[symbol].remedy, symbol=label)
     reserved = RESERVED - {"time"} if symbol in ("t", "time", "times") else RESERVED
     for dim in array.dims:
         if dim in reserved or not re.match(r"(?!dim_\d)[^\W\d]", str(dim)):
@@ -286,12 +286,12 @@ def _array_to_si(symbol, array, label, bound):
     values = si.values
     if any(_problem(symbol, x, bound) for x in (values.min(), values.max())):
         index = next(i for i, x in np.ndenumerate(values) if _problem(symbol, x, bound))
-        where = ", ".join(
+        coordinates = ", ".join(
             f"{dim}[{i}]" + (f" = {si[dim].values[i]}" if dim in si.indexes else "")
             for dim, i in zip(si.dims, index, strict=True)
         )
         raise ParameterError(
-            f"at {where} {_problem(symbol, values[index], bound)}",
+            f"at {coordinates} {_problem(symbol, values[index], bound)}",
             QUANTITIES[symbol].remedy,
             symbol=label,
             value=f"{values[index]:.6g}",

@@ -108,7 +108,7 @@ def _check_names(law, base_name):
         if quantity.unit not in KINDS or quantity.bound not in ("", "> 0", ">= 0"):
             known = ", ".join(KINDS)
             raise refusal("law.quantity", symbol=symbol, quantity=quantity, units=known)
-    known = {state for one in laws.LAWS.values() for state in one.states}
+    known = {state for other in laws.LAWS.values() for state in other.states}
     for state, (_, distance) in law.states.items():
         if not _is_allowed_name(state) or (state in QUANTITIES and state not in known):
             raise refusal("law.state", state=state)
@@ -132,13 +132,13 @@ def _is_other_quantity(symbol, quantity, base_name):
 
 def _example(symbol, law):
     """Return the example of a parameter [SI], or 1 if it has none."""
-    own = Quantity(*law.parameters[symbol])
-    if not own.example:
+    law_quantity = Quantity(*law.parameters[symbol])
+    if not law_quantity.example:
         return 1.0
     before = QUANTITIES.get(symbol)
-    QUANTITIES[symbol] = quantity(*own._replace(example=""))
+    QUANTITIES[symbol] = quantity(*law_quantity._replace(example=""))
     try:
-        return to_si(symbol, own.example.strip("'\""))
+        return to_si(symbol, law_quantity.example.strip("'\""))
     except ParameterError as error:
         raise ParameterError(
             f"the example of its parameter {symbol} cannot be used: {error.text(symbol)}"

@@ -32,20 +32,20 @@ def draw(data):
     """Draw (a) regimes, (b) close to K_c, (c-e) amplitude, slip per cycle, largest velocity."""
     title = f"Limit cycles of a spring-slider, {LAWS[data.attrs['law']].name}"
     by_eta = "eta" in data.dims  # else a law with a speed of its own
-    up = "two decades up" if by_eta else "one decade up"
-    more = (
+    step_text = "two decades up" if by_eta else "one decade up"
+    note = (
         f"$b/a$ = {float(data.b_over_a):g}.  A machine, rig or fault is a point; "
-        f"ten times its speed is {up}."
+        f"ten times its speed is {step_text}."
     )
-    fig = figure(data, 8.2, "", more, title)
+    fig = figure(data, 8.2, "", note, title)
     axes = fig.subplot_mosaic([["main"] * 3, [*MAPS]], height_ratios=(1.75, 1))
     main = axes.pop("main")
     artists = plot.atlas(data, main)
     sliders = [_name_regimes(main)] if by_eta else []
-    near = main.inset_axes((0.555, 0.11, 0.43, 0.42))
-    artists += plot.transition(data, near)
-    near.set(ylim=(1e-9, 1e2) if by_eta else main.get_ylim())
-    letters([main, near], "regimes, and contours of $V_{max}/V_{lp}$", "close to $K_c$")
+    close_up = main.inset_axes((0.555, 0.11, 0.43, 0.42))
+    artists += plot.transition(data, close_up)
+    close_up.set(ylim=(1e-9, 1e2) if by_eta else main.get_ylim())
+    letters([main, close_up], "regimes, and contours of $V_{max}/V_{lp}$", "close to $K_c$")
     legend = {artist.get_label(): artist for artist in [*artists, *sliders]}
     box = {"frameon": True, "framealpha": 1.0, "edgecolor": "0.7"}
     main.legend(handles=[*legend.values()], loc="lower left", fontsize=6.5, **box)

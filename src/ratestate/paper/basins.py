@@ -14,7 +14,7 @@ from .parameters import FIG2
 RATIO = 1.01  # K/K_c_qs
 SPEEDS = (0.74, 0.995, 24)  # V_lp/V_c: first, last, number
 EXAMPLE = 0.9  # V_lp/V_c of the runs shown
-ASIDE = 0.05  # by which their steps miss the edge of the basin
+EDGE_DISTANCE = 0.05  # by which their steps miss the edge of the basin
 CYCLES = 500.0
 # Without inertia, slip law: stiffness over K_c_qs, at a speed from which light is far.
 STIFFNESS = (1.0001, 10.0, 25)
@@ -60,14 +60,14 @@ def compute(law):
 def _two_runs(slider, V_lp):
     """Run steps to V_lp on either side of the edge of its basin; return also the earlier speeds."""
     edge = escape(slider, V_lp)
-    side = xarray.DataArray([1.0 - ASIDE, 1.0 + ASIDE], dims="side")
+    side = xarray.DataArray([1.0 - EDGE_DISTANCE, 1.0 + EDGE_DISTANCE], dims="side")
     before = V_lp / (1.0 + (float(edge.step_up) - 1.0) * side)
     period = float(edge.unstable_period)
     start, times = 2.0 * period, np.linspace(-2.0, CYCLES, 12000) * period
     loading = Loading.steps(before, (start, V_lp))
     runs = simulate(slider, loading, times[-1] + start, times=times + start)
-    since = (runs.time - start).assign_attrs(attrs("time"))
-    return runs.assign_coords(time=since), before
+    since_step = (runs.time - start).assign_attrs(attrs("time"))
+    return runs.assign_coords(time=since_step), before
 
 
 @styled
@@ -78,7 +78,7 @@ def draw(data):
     V_c = float(data.V_c)
     _coexistence(data, axes[0], V_c)
     _two_steps(data, axes[1], V_c)
-    _edge(data, axes[2], V_c)
+    _draw_edge(data, axes[2], V_c)
     _threshold(data, axes[3])
     aging = rf"$K = {RATIO:g}\,K_{{c,qs}}$", f"steps to {EXAMPLE:g} $V_c$", "edge of the basin"
     letters(axes, *(f"aging law, {text}" for text in aging), "slip law without mass ($M = 0$)")
@@ -110,7 +110,7 @@ def _two_steps(data, ax, V_c):
     ax.legend(loc="upper left")
 
 
-def _edge(data, ax, V_c):
+def _draw_edge(data, ax, V_c):
     """Draw the smallest step and kick that leave the basin."""
     kick = data.kick_up / (plot.parameter(data, "a") * plot.parameter(data, "sigma"))
     look = {"color": plot.RED, "ls": "--", "lw": 1.2}

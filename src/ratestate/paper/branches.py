@@ -44,7 +44,7 @@ def draw(data):
         ax.ticklabel_format(axis="x", style="sci", scilimits=(-3, -3))
         ax.set_xlabel("$V_{lp}$ [m/s]")
         ax.axvline(V_c, color=plot.GRAY, lw=0.6, ls=":", zorder=0)
-        _along(branch, V_c, left, right, color, name)
+        _draw_branch(branch, V_c, left, right, color, name)
     for ax in tops[1:]:
         ax.set(ylabel="", yticklabels=[])
     handles = [h for h in tops[0].get_legend_handles_labels()[0] if h.get_label() != "start"]
@@ -59,7 +59,7 @@ def draw(data):
     return fig
 
 
-def _along(branch, V_c, left, right, color, label):
+def _draw_branch(branch, V_c, left, right, color, label):
     """Draw extreme speeds and the larger multiplier, solid where the cycle is stable."""
     stable = branch.stable.astype(bool) | (branch.special != "")
     for part, dashes, name in ((stable, "-", label), (~stable, (0, (3, 1.5)), None)):

@@ -64,7 +64,7 @@ def claim(name, law, measured):
     statement, measured = statements()[name], dict(measured)
     texts = measured.pop("texts", {})
     silent = statement.get("slip_only", False) and law != "slip"
-    covers = [to_digits(*one) for one in statement.get("digits", [])] + statement.get("ranges", [])
+    covers = [to_digits(*row) for row in statement.get("digits", [])] + statement.get("ranges", [])
     if len(covers) == 1:
         covers *= len(measured["converged"])
     return Claim(

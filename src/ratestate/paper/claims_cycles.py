@@ -34,7 +34,7 @@ def on_cycles(law):
     best = sweeps[TIGHT]
     of_scheme = [_scheme(s, c) for s, c in zip(sliders, best, strict=True)]
 
-    def both(measure, branches=(0, 1)):
+    def by_branch(measure, branches=(0, 1)):
         """Apply a measure of (slider, sweep) to these branches: converged, and by the scheme."""
 
         def values(sweep):
@@ -47,18 +47,18 @@ def on_cycles(law):
     def at_minimum(measure, branches=(0, 1), factor=1.0):
         """Apply a measure of (slider, V_lp) at the smallest amplitude, times a factor."""
 
-        def value(slider, sweep, every=1):
-            return measure(slider, _minimum(sweep, every)[0])
+        def value(slider, sweep, stride=1):
+            return measure(slider, _minimum(sweep, stride)[0])
 
         slips = (value(sliders[i], best[i]) - value(sliders[i], best[i], 2) for i in branches)
         error = {"error": factor * max(map(abs, slips)), "error_from": HALF_AS_DENSE}
-        return both(lambda *case: factor * value(*case), branches) | error
+        return by_branch(lambda *case: factor * value(*case), branches) | error
 
     texts = {
         "grown": GROWN,
         "worst": 100 * _worst(best, of_scheme),
         "fastest": " ".join(map(_fastest, sliders)),
-        **_apart(sliders, best),
+        **_effects_of_reversal(sliders, best),
     }
     measures = {
         "slope": lambda slider, sweep: _line(sweep, sweep.V_lp)[0],
@@ -71,7 +71,7 @@ def on_cycles(law):
             np.diff(np.log(sweep.frequency)) / np.diff(np.log(sweep.V_lp))
         ),
     }
-    measured = {name: both(measure) for name, measure in measures.items()} | {
+    measured = {name: by_branch(measure) for name, measure in measures.items()} | {
         "eta_at_minimum": at_minimum(lambda slider, V_lp: slider.eta(V_lp)),
         "eta_1": exact(1e2 / math.sqrt(FIG4.eta(1.0))),
         "K_c_qs_fig4": exact(FIG4.K_c_qs / 1e9),
@@ -81,7 +81,7 @@ def on_cycles(law):
     rows = {name: row | {"texts": texts} for name, row in measured.items()}
     for i, K in enumerate(FIG4_K):
         minimum = at_minimum(lambda slider, V_lp: V_lp, (i,), 1e2)
-        rows[f"minimum_{K / 1e9:.2f}"] = minimum | {"texts": {"above": 100 * _above(best[i])}}
+        rows[f"minimum_{K / 1e9:.2f}"] = minimum | {"texts": {"above": 100 * _excess(best[i])}}
     return rows
 
 
@@ -90,12 +90,13 @@ def _turned(slider, rtol):
     return limit_cycle(slider.replace(friction_form="regularized"), float(SWEEP[-1]), rtol=rtol)
 
 
-def _apart(sliders, sweeps):
+def _effects_of_reversal(sliders, sweeps):
     """Return what such friction changes: relative amplitude, and the smallest V/V_lp."""
-    turned = [_turned(slider, TIGHT) for slider in sliders]
-    pairs = zip(turned, sweeps, strict=True)
-    apart = [abs(float(one.amplitude / all_.amplitude[-1]) - 1.0) for one, all_ in pairs]
-    return {"apart": max(apart), "slowest": min(float(one.V_min) for one in turned) / SWEEP[-1]}
+    cycles = [_turned(slider, TIGHT) for slider in sliders]
+    pairs = zip(cycles, sweeps, strict=True)
+    changes = [abs(float(cycle.amplitude / sweep.amplitude[-1]) - 1.0) for cycle, sweep in pairs]
+    slowest = min(float(cycle.V_min) for cycle in cycles)
+    return {"apart": max(changes), "slowest": slowest / SWEEP[-1]}
 
 
 def _fastest(slider):
@@ -118,15 +119,15 @@ def _fastest(slider):
 def _scheme(slider, cycles):
     """Return amplitude and frequency at the end of the scheme's runs, along the sweep."""
     # a few cycles of stick-slip are enough; fast ones relax in 2 M V/((b - a) sigma), 0.2 s a m/s
-    how = {"dt": time_step(slider, LARGEST), "euler": EULER[slider.law]}
+    settings = {"dt": time_step(slider, LARGEST), "euler": EULER[slider.law]}
     found = np.empty((2, SWEEP.size))
     for i, V in enumerate(SWEEP.values.tolist()):
         t_end = 4 * float(cycles.period[i]) + 0.2 + 2.0 * V
-        run = im2017(slider, Loading.constant(V), t_end, V_start=0.1 * V, **how)
+        run = im2017(slider, Loading.constant(V), t_end, V_start=0.1 * V, **settings)
         found[:, i] = last_cycle(run)
     amplitude, frequency = found
-    kept = {"amplitude": amplitude, "frequency": frequency, "status": np.zeros(SWEEP.size)}
-    return cycles[[*kept]].copy(data=kept)
+    variables = {"amplitude": amplitude, "frequency": frequency, "status": np.zeros(SWEEP.size)}
+    return cycles[[*variables]].copy(data=variables)
 
 
 def _worst(cycles, by_scheme):
@@ -143,10 +144,10 @@ def _line(sweep, against):
     return fit[0], np.abs(slow - np.polyval(fit, decades)).max() / (slow[0] - slow[-1])
 
 
-def _minimum(sweep, every=1):
+def _minimum(sweep, stride=1):
     """Return V_lp [m/s] and value of the least amplitude, by a quartic through five speeds."""
-    V = np.log(MIDDLE.values[::every])
-    middle = sweep.amplitude.sel(V_lp=MIDDLE.values).values[::every]
+    V = np.log(MIDDLE.values[::stride])
+    middle = sweep.amplitude.sel(V_lp=MIDDLE.values).values[::stride]
     i = min(max(int(np.argmin(middle)), 2), V.size - 3)
     fit = np.polyfit(V[i - 2 : i + 3] - V[i], middle[i - 2 : i + 3], 4)
     turns = np.roots(np.polyder(fit))
@@ -154,7 +155,7 @@ def _minimum(sweep, every=1):
     return math.exp(V[i] + at), np.polyval(fit, at)
 
 
-def _above(sweep):
+def _excess(sweep):
     """Return by how much the amplitude at 3 cm/s exceeds the smallest."""
     middle = sweep.amplitude.sel(V_lp=MIDDLE.values)
     between = scipy.interpolate.make_interp_spline(np.log(MIDDLE.values), middle)
@@ -200,7 +201,7 @@ def _conclusions(slider):
 
     return {
         "inertia_destabilises": exact(
-            *(growth(one, FIG2_SPEEDS[-1]) for one in (slider.replace(M=0.0), slider))
+            *(growth(case, FIG2_SPEEDS[-1]) for case in (slider.replace(M=0.0), slider))
         ),
         "any_stiffness": exact(*(growth(s, 1.01 * s.V_c) / s.V_c * s.Dc for s in stiff)),
         "weakening_needed": exact(
@@ -226,9 +227,9 @@ def on_slow_slip(law):
         "slow_inertia": ("inertia", 1.0, inertia(settled)),
     }
 
-    def cycle(name, over, scheme):
-        measured = pair(lambda rtol: limit_cycle(slider, fast, rtol=rtol)[name] / over)
-        return measured | by_scheme(lambda omega_dt: scheme / over, slider, LARGEST)
+    def cycle(name, scale, scheme):
+        measured = pair(lambda rtol: limit_cycle(slider, fast, rtol=rtol)[name] / scale)
+        return measured | by_scheme(lambda omega_dt: scheme / scale, slider, LARGEST)
 
     return {
         "eta_fig6": exact(slider.eta(fast)),

@@ -24,14 +24,14 @@ def on_friction(law):
     a, b, Dc, mu0 = slider.a, slider.b, slider.Dc, slider.mu0
     reach = 30 * Dc  # exp(-30) of the fall is rounding
     mu, slip = _friction(slider, reach), np.linspace(0.0, reach, POINTS)
-    left = (mu - mu[-1]) / (mu[0] - mu[-1])
+    remaining = (mu - mu[-1]) / (mu[0] - mu[-1])
     begin = slip < 2 * Dc
-    distance = np.interp(1.0, -np.log(left[begin]), slip[begin])
-    truth = Dc if law == "slip" else Dc * math.log((math.e - 1) / math.expm1(1 / math.e))
+    distance = np.interp(1.0, -np.log(remaining[begin]), slip[begin])
+    exact = Dc if law == "slip" else Dc * math.log((math.e - 1) / math.expm1(1 / math.e))
     values = {
         "direct_effect": (mu[0] - mu0, a),
         "evolution_effect": (mu[0] - mu[-1], b),
-        "evolution_distance": (1e6 * distance, 1e6 * truth),
+        "evolution_distance": (1e6 * distance, 1e6 * exact),
         "net_change": (mu[-1] - mu0, a - b),
     }
     peak = _friction(slider.replace(K=STIFFNESS * slider.sigma), 10 * Dc).max() - mu0
@@ -70,22 +70,22 @@ def on_steps(law):
         "K_c_qs": exact(1e-6 * slider.K_c_qs),
         "V_c": V_c,
         "K_c_of_steps": exact(*(1e-6 * slider.K_c(V) for V in FIG2_SPEEDS[1:])),
-        "first_swing": pair(lambda rtol: _swing(slider, rtol)),
+        "first_swing": pair(lambda rtol: _largest_speeds(slider, rtol)),
         "growth_rates": exact(*rates),
-        **{f"step_to_{1e3 * V:g}": _fate(slider, V) for V in FIG2_SPEEDS},
+        **{f"step_to_{1e3 * V:g}": _remaining_oscillation(slider, V) for V in FIG2_SPEEDS},
         "cycle_range": _cycle(slider, FIG2_SPEEDS[-1]),
     }
     return {name: row | {"texts": {"largest": LARGEST}} for name, row in measured.items()}
 
 
-def _swing(slider, rtol):
+def _largest_speeds(slider, rtol):
     """Return the largest V/V_lp after each step."""
     V_lp = xarray.DataArray(FIG2_SPEEDS, dims="V_lp")
     run = simulate(slider, Loading.constant(V_lp), 1.0, V_start=FIG2_START, rtol=rtol)
     return run.V_max.values / V_lp.values
 
 
-def _fate(slider, V_lp):
+def _remaining_oscillation(slider, V_lp):
     """Measure the oscillation that is left after the step to V_lp."""
     times = FIG2_DURATION + np.linspace(-LAST, 0.0, 2001)
     step = FIG2_START, V_lp, FIG2_DURATION, LAST
@@ -112,7 +112,7 @@ def on_map(law):
     """Measure the claims of Fig. 3: id -> arguments of `claim`."""
     slider = FIG2.replace(law=law, M=logspace("M", *FIG3_M))
     V_lp = logspace("V_lp", *FIG3_V_LP)
-    above = V_lp > slider.V_c
+    is_above = V_lp > slider.V_c
 
     @functools.cache
     def amplitude(rtol):
@@ -125,15 +125,15 @@ def on_map(law):
     last = amplitude(RTOL[0])
     texts = {
         "unstable": UNSTABLE,
-        "below": float(last.where(~above).max()),
-        "least": float(last.where(above).min()),
+        "below": float(last.where(~is_above).max()),
+        "least": float(last.where(is_above).min()),
         "repeated": repeated,
     }
-    cases = pair(lambda rtol: ((amplitude(rtol) > UNSTABLE) == above).sum(), *RTOL)
+    cases = pair(lambda rtol: ((amplitude(rtol) > UNSTABLE) == is_above).sum(), *RTOL)
     return {
         "cases_at_10_s": cases | {"scheme": scheme, "texts": texts},
         "cases_converged": pair(
-            lambda rtol: ((limit_cycle(slider, V_lp, rtol=rtol).status == 0) == above).sum()
+            lambda rtol: ((limit_cycle(slider, V_lp, rtol=rtol).status == 0) == is_above).sum()
         ),
     }
 
@@ -147,10 +147,10 @@ def _is_wrong(slider, V_lp, omega_dt):
 def _cases_by_scheme(law, V_lp):
     """Count the cases on the right side by the scheme, and those that its large step gets wrong."""
     sliders = [FIG2.replace(law=law, M=float(M)) for M in logspace("M", *FIG3_M)]
-    every = [(slider, V) for slider in sliders for V in V_lp.values.tolist()]
-    wrong = [case for case in every if _is_wrong(*case, LARGEST)]
-    still = sum(_is_wrong(*case, FINER) for case in wrong)
-    counts = {LARGEST: len(every) - len(wrong), FINER: len(every) - still}
+    cases = [(slider, V) for slider in sliders for V in V_lp.values.tolist()]
+    wrong = [case for case in cases if _is_wrong(*case, LARGEST)]
+    still_wrong = sum(_is_wrong(*case, FINER) for case in wrong)
+    counts = {LARGEST: len(cases) - len(wrong), FINER: len(cases) - still_wrong}
     ends = sliders[0], sliders[-1]  # dt goes with sqrt(M)
     return {
         (od, *(time_step(slider, od) for slider in ends)): (float(n),) for od, n in counts.items()

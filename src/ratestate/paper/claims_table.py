@@ -53,7 +53,7 @@ def quantity(values, unit):
     return f"{', '.join(map(number, values))} {unit}".rstrip()
 
 
-def _between(bounds):
+def _bounds(bounds):
     low, high = bounds
     if low == high:
         return number(low)
@@ -64,7 +64,7 @@ def _between(bounds):
 
 def cells(row):
     """Return lines on the paper, the scheme and converged values, three lists; ["-"] if none."""
-    paper = [row.paper, f"taken as {', '.join(map(_between, row.covers))}"] if row.covers else ["-"]
+    paper = [row.paper, f"taken as {', '.join(map(_bounds, row.covers))}"] if row.covers else ["-"]
     scheme = []
     for (omega_dt, *dt), values in row.scheme.items():
         times = ", ".join(f"{1e6 * x:.3g}" for x in dt)
@@ -91,10 +91,10 @@ def terminal(rows, law):
     for heading, ratio in ((first, 5), ("Values", 6), (last, 2)):
         table.add_column(heading, ratio=ratio)
     for row in rows:
-        about = Text(f"{row.claim} [{row.where}]\n").append(row.note, "italic")
+        claim = Text(f"{row.claim} [{row.where}]\n").append(row.note, "italic")
         values = zip(sources, cells(row), strict=True)
         text = "\n".join(f"{source}: {'; '.join(lines)}" for source, lines in values)
-        table.add_row(about, Text(text), Text(row.verdict, STYLES[row.verdict]))
+        table.add_row(claim, Text(text), Text(row.verdict, STYLES[row.verdict]))
     return table
 
 

@@ -17,9 +17,9 @@ def compute(law):
     slider = FIG2.replace(law=law)
     V_lp = xarray.DataArray(FIG2_SPEEDS, dims="V_lp")
     # The first drop needs 0.1 ms; the oscillation of 50 Hz that follows has 40 points a cycle.
-    early = np.linspace(0.0, 0.6, 6001)
-    late = np.linspace(0.6, T_STEP + FIG2_DURATION, 19001)[1:]
-    times = np.concatenate([early, late])
+    before = np.linspace(0.0, 0.6, 6001)
+    after = np.linspace(0.6, T_STEP + FIG2_DURATION, 19001)[1:]
+    times = np.concatenate([before, after])
     loading = Loading.steps(FIG2_START, (T_STEP, V_lp))
     run = simulate(slider, loading, times[-1], times=times, rtol=1e-8)
     data = run[["V", "V_load", "tau", "mu", "amplitude", "frequency", "V_max", "V_min", "status"]]
@@ -45,19 +45,19 @@ def draw(data):
     top.set_yticks([0.53, 0.54, 0.55, 0.56, 0.57])
     top.legend(loc="upper right", ncols=3)
     top.tick_params(labelbottom=True)
-    _late(top.inset_axes((0.09, 0.11, 0.25, 0.34)), runs, sigma)
+    _draw_last_cycles(top.inset_axes((0.09, 0.11, 0.25, 0.34)), runs, sigma)
     _phases(top.inset_axes((0.43, 0.11, 0.23, 0.34)), runs, "whole 10 s", 1.0)
-    near = top.inset_axes((0.745, 0.11, 0.235, 0.34))
-    _phases(near, runs, "about the steady points", 0.5)
+    inset = top.inset_axes((0.745, 0.11, 0.235, 0.34))
+    _phases(inset, runs, "about the steady points", 0.5)
     V, steady = run.V_lp.item(), float(run.tau[-400:].mean()) / sigma
     half = 1.1 * float(run.amplitude)
-    near.set(xlim=(steady - half, steady + half), ylim=(1e3 * 0.7 * V, 1e3 * 1.35 * V))
+    inset.set(xlim=(steady - half, steady + half), ylim=(1e3 * 0.7 * V, 1e3 * 1.35 * V))
     _stiffness(bottom, runs, plot.parameter(data, "K"))
     letters([top, bottom])
     return fig
 
 
-def _late(ax, runs, sigma):
+def _draw_last_cycles(ax, runs, sigma):
     for run, color in runs:
         end = run.sel(time=slice(9.9, None))
         ax.plot(end.time, end.tau / sigma, color=color, lw=0.9)

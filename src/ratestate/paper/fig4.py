@@ -86,11 +86,11 @@ def draw(data):
 def _coefficient(ax, data):
     """Draw eta on an axis of its own, with eta = 1 marked."""
     ax.loglog(data.V_lp, data.eta, color=plot.BLUE, lw=1.2)
-    one = float(np.exp(np.interp(0.0, np.log(data.eta), np.log(data.V_lp))))
-    ax.plot(one, 1.0, "o", color=plot.BLUE, mfc="w", ms=5)
-    ax.axvline(one, color=plot.BLUE, lw=0.7, ls=":")
+    V = float(np.exp(np.interp(0.0, np.log(data.eta), np.log(data.V_lp))))
+    ax.plot(V, 1.0, "o", color=plot.BLUE, mfc="w", ms=5)
+    ax.axvline(V, color=plot.BLUE, lw=0.7, ls=":")
     note = {"textcoords": "offset points", "ha": "right", "color": plot.BLUE}
-    ax.annotate(rf"$\eta = 1$ at {1e3 * one:.1f} mm/s", (one, 1.0), (-6, 4), **note)
+    ax.annotate(rf"$\eta = 1$ at {1e3 * V:.1f} mm/s", (V, 1.0), (-6, 4), **note)
     ax.set(ylim=(1e-9, 1e6))
     ax.set_ylabel(r"Dynamic instability coefficient $\eta$", color=plot.BLUE)
     ax.tick_params(axis="y", colors=plot.BLUE)

@@ -20,8 +20,8 @@ def compute(law):
     cycle = limit_cycle(slider, fast)
     theory = stability(slider, fast)
     last = T_END - CYCLES * float(cycle.period)
-    kept = (run.time <= START) | (run.time >= last)
-    data = run[["V", "V_load", "tau", "mu", "delta_lp", "amplitude", "frequency"]].isel(time=kept)
+    rows = (run.time <= START) | (run.time >= last)
+    data = run[["V", "V_load", "tau", "mu", "delta_lp", "amplitude", "frequency"]].isel(time=rows)
     data["settled"] = (data.time >= last).assign_attrs(units="1", long_name="in the limit cycle")
     measures = cycle[["amplitude", "period", "frequency", "inertia", "V_max", "V_min"]]
     data = data.assign({f"cycle_{name}": value for name, value in measures.items()})
@@ -39,8 +39,8 @@ def inertia(run):
 def draw(data):
     """Draw tau/sigma and mu after the step, and once settled; a drop of each in the insets."""
     K = plot.parameter(data, "K")
-    more = f" = {K / float(data.K_c_qs):.5g} {plot.label('K_c_qs')}"
-    fig = figure(data, 4.4, "a b Dc sigma M K", more)
+    ratio_text = f" = {K / float(data.K_c_qs):.5g} {plot.label('K_c_qs')}"
+    fig = figure(data, 4.4, "a b Dc sigma M K", ratio_text)
     left, right = fig.subplots(1, 2, width_ratios=[2.3, 1], sharey=True)
     first, settled = data.isel(time=~data.settled), data.isel(time=data.settled)
     slow, fast = (with_unit("V_lp", float(data.V_load[i])) for i in (0, -1))

@@ -43,17 +43,17 @@ class Figure(NamedTuple):
         return importlib.import_module(f".{self.module}", __package__)
 
 
-def _listed():
+def _figures():
     """Yield the rows of figures.toml; figures of the paper have a number."""
     rows = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
     for key, row in rows.items():
-        own = {"module": f"fig{key}", "name": f"Fig. {key}"} if key.isdigit() else {"module": key}
-        yield key, Figure(**own | row)
+        base = {"module": f"fig{key}", "name": f"Fig. {key}"} if key.isdigit() else {"module": key}
+        yield key, Figure(**base | row)
 
 
-FIGURES = dict(_listed())
+FIGURES = dict(_figures())
 #: those that are not in the paper
-BEYOND = {key: figure for key, figure in FIGURES.items() if figure.help}
+EXTRAS = {key: figure for key, figure in FIGURES.items() if figure.help}
 
 
 def make(key, law, out, *, title=True):

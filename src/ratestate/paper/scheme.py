@@ -72,7 +72,7 @@ def multiplier(slider, V_lp, omega_dt, euler):
         return np.array(new)
 
     moves = PERTURBATION * np.diag([A, 1.0, 1.0])
-    columns = [(after(steady + one) - after(steady - one)) / (2.0 * one.sum()) for one in moves]
+    columns = [(after(steady + move) - after(steady - move)) / (2.0 * move.sum()) for move in moves]
     return float(np.abs(np.linalg.eigvals(np.transpose(columns))).max())
 
 
@@ -127,14 +127,14 @@ def last_cycle(run):
 
     def turn(i):
         """Return when tau turns between steps i and i + 1, and its value there."""
-        two = slice(i, i + 2)
-        piece = scipy.interpolate.CubicHermiteSpline(t[two], tau[two], slope[two])
+        pair = slice(i, i + 2)
+        piece = scipy.interpolate.CubicHermiteSpline(t[pair], tau[pair], slope[pair])
         (at,) = piece.derivative().roots(extrapolate=False)
         return at, piece(at)
 
-    one, other = np.flatnonzero(rises[:-1] & ~rises[1:])[-2:]
-    between = np.flatnonzero(~rises[one:other] & rises[one + 1 : other + 1])[-1]
-    (start, _), (_, lowest), (end, highest) = map(turn, (one, one + between, other))
+    first, last = np.flatnonzero(rises[:-1] & ~rises[1:])[-2:]
+    between = np.flatnonzero(~rises[first:last] & rises[first + 1 : last + 1])[-1]
+    (start, _), (_, lowest), (end, highest) = map(turn, (first, first + between, last))
     return float(highest - lowest) / parameter(run, "sigma"), 1.0 / float(end - start)
 
 
@@ -142,7 +142,7 @@ def compute(law):
     """Compute `PANELS` along ``scheme`` and ``omega_dt``, and their limits."""
     slider = FIG2.replace(law=law)
     cycle = limit_cycle(slider, V_LP, rtol=1e-10)
-    found = np.array([[_measure(slider, od, one) for od in OMEGA_DT] for one in VARIANTS[law]])
+    found = np.array([[_measure(slider, od, kind) for od in OMEGA_DT] for kind in VARIANTS[law]])
     dims = ("scheme", "omega_dt")
     measured = (row for panel in PANELS.values() for row in panel.items())
     data = xarray.Dataset(

@@ -121,10 +121,10 @@ def _check(slider, loading, dt, euler):
         "K < inf": math.isfinite(slider.K),
         "a constant sigma": loading.normal_stress is None,
     }
-    for what, is_given in needs.items():
+    for need, is_given in needs.items():
         if not is_given:
             raise ParameterError(
-                f"the paper's scheme needs {what}", "Use ratestate.simulate for others."
+                f"the paper's scheme needs {need}", "Use ratestate.simulate for others."
             )
     if (angle := dt * math.sqrt(slider.K / slider.M)) > math.pi:
         raise ParameterError(

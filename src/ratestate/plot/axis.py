@@ -37,12 +37,12 @@ class SweepAxis(NamedTuple):
         """Abscissae of such values."""
         return np.exp(even) if self.logarithmic else even
 
-    def each(self, dim):
+    def labels(self, dim):
         """What a legend says of each value (list of str)."""
         values = self.names or [f"{value:.4g}" for value in self.values]
         return [f"{label(dim)} = {value} {self.unit}".rstrip() for value in values]
 
-    def dress(self, axis):
+    def format_axis(self, axis):
         """Give a matplotlib axis its label and scale, or its names."""
         axis.set_label_text(in_unit(self.name, self.unit))
         if self.logarithmic:

@@ -110,9 +110,9 @@ def _diagram(data, ax, factor, unit, color=BLUE, label="cycle", area=None):
     if "outside_domain" in data:
         mark_outside(ax, x, amplitude, (data.outside_domain.values > 0) & (amplitude > 0.0))
     for kind, (name, marker, face) in MARKS.items():
-        if (here := special == kind).any():
+        if (rows := special == kind).any():
             style = {"mfc": face, "mec": "k", "mew": 0.8, "ms": 4.5, "zorder": 5}
-            ax.plot(x[here], amplitude[here], marker, ls="", label=_once(ax, name), **style)
+            ax.plot(x[rows], amplitude[rows], marker, ls="", label=_new_label(ax, name), **style)
     _abscissa(ax, x, name_and_symbol(symbol, area), unit)
     ax.set_ylabel(AMPLITUDE)
     ax.legend()
@@ -136,11 +136,11 @@ def _pieces(ax, x, y, stable, color, names=("", "")):
     cuts = np.flatnonzero(np.diff(stable.astype(int))) + 1
     for first, last in zip([0, *cuts], [*cuts, len(stable)], strict=True):
         look = STABLE if stable[first] else UNSTABLE
-        name = _once(ax, names[int(stable[first])])
+        name = _new_label(ax, names[int(stable[first])])
         ax.plot(x[first : last + 1], y[first : last + 1], color=color, label=name, **look)
 
 
-def _once(ax, name):
+def _new_label(ax, name):
     """The name for a legend, hidden from it where it stands there already."""
     return f"_{name}" if name in ax.get_legend_handles_labels()[1] else name
 

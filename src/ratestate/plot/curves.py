@@ -13,7 +13,7 @@ from ..records.fitting.by_law import results_by_law
 from .labels import ABSCISSAE, GRAY, LAWS, prefixed, with_unit
 
 #: samples of which all are drawn; of more, the least and the largest in as many bins
-MOST = 40_000
+MAX_SAMPLES = 40_000
 #: standard deviations on either side within which 95 % of normal values are
 NORMAL_95 = 1.96
 #: Loadings of more segments than these are no steps that could be marked.
@@ -21,7 +21,7 @@ MARKED = 40
 #: parts of the height and width that names of speeds, and a letter of them, take
 ROOM, LETTER = 0.14, 0.011
 #: the samples of a record that is drawn whole; of others single samples are to be seen
-WHOLE = slice(None)
+ALL_ROWS = slice(None)
 
 
 class Change(NamedTuple):
@@ -33,10 +33,10 @@ class Change(NamedTuple):
     V_before: float  # [m/s]
     V: float
 
-    def text(self, *, whole=False):
+    def text(self, *, with_duration=False):
         """What the load point does: "hold 100 s", or both speeds with an arrow between them.
 
-        After a hold only the new one; `whole` puts the hold before it.
+        After a hold only the new one; `with_duration` puts the hold before it.
         """
         if self.V == 0.0:
             return f"hold {with_unit('t', self.end - self.start)}"
@@ -44,7 +44,7 @@ class Change(NamedTuple):
         new = f"\N{RIGHTWARDS ARROW} {factor * self.V:.3g} {unit}"
         if self.V_before:
             return f"{factor * self.V_before:.3g} {new}"
-        return f"hold {with_unit('t', self.start - self.previous)} {new}" if whole else new
+        return f"hold {with_unit('t', self.start - self.previous)} {new}" if with_duration else new
 
 
 class FittedRecord(NamedTuple):
@@ -62,10 +62,10 @@ class FittedRecord(NamedTuple):
         """Abscissa, in `unit`, of times [s] since the first sample; the ends beyond them."""
         return np.interp(t, self.t, self.values)
 
-    def dress(self, ax, rows):
+    def format_panel(self, ax, rows):
         """Give these samples' panel its label and limits."""
-        since = " since the record's start" if rows == WHOLE else ""
-        ax.set(xlabel=f"{ABSCISSAE[self.x]}{since} [{self.unit}]")
+        origin_text = " since the record's start" if rows == ALL_ROWS else ""
+        ax.set(xlabel=f"{ABSCISSAE[self.x]}{origin_text} [{self.unit}]")
         ax.set(xlim=self.values[rows][[0, -1]])
 
 
@@ -106,7 +106,7 @@ def _segments(result):
     return list(zip(loading.t.tolist(), loading.V.tolist(), strict=True))
 
 
-def curves(record, ax, rows=WHOLE):
+def curves(record, ax, rows=ALL_ROWS):
     """Draw the record, the fitted curve of each law, and where 95 % of samples are predicted."""
     shown, friction = record.values[rows], record.friction[rows]
     scatter(ax, shown, friction, rows, "0.55", "recorded")
@@ -122,22 +122,22 @@ def curves(record, ax, rows=WHOLE):
     margin = 0.05 * (max(ends) - min(ends))
     # a band may be wider than all there is to see
     ax.set(ylim=(min(ends) - margin, max(ends) + margin), ylabel=r"Friction $\tau/\sigma$")
-    record.dress(ax, rows)
+    record.format_panel(ax, rows)
 
 
-def residuals(record, law, ax, rows=WHOLE):
+def residuals(record, law, ax, rows=ALL_ROWS):
     """Draw recorded less fitted friction, in thousandths, and the 95 % of the noise's level.
 
     The scale is the same for all laws.
     """
     part = record.laws[law]
     level = float(np.hypot(part["noise_white"], part["noise_red"]))
-    left = 1e3 * part["residual"].values
-    scatter(ax, record.values[rows], left[rows], rows, LAWS[law].color, None)
+    residual = 1e3 * part["residual"].values
+    scatter(ax, record.values[rows], residual[rows], rows, LAWS[law].color, None)
     normal_95(ax, 1e3 * level, zorder=3)
-    most = 1e3 * 1.08 * max(float(np.abs(each["residual"]).max()) for each in record.laws.values())
-    ax.set(ylim=(-most, most), ylabel="Residual\n" + r"[$10^{-3}$]")
-    record.dress(ax, rows)
+    limit = 1e3 * 1.08 * max(float(np.abs(fit["residual"]).max()) for fit in record.laws.values())
+    ax.set(ylim=(-limit, limit), ylabel="Residual\n" + r"[$10^{-3}$]")
+    record.format_panel(ax, rows)
 
 
 def normal_95(ax, level=1.0, **style):
@@ -164,7 +164,7 @@ def marks(record, ax, *, named=False):
 def scatter(ax, x, y, rows, color, label):
     """Draw noisy values: single samples where they can be told apart, else a thin line."""
     style = {"color": color, "label": label, "rasterized": True, "zorder": 1}
-    if rows == WHOLE:
+    if rows == ALL_ROWS:
         ax.plot(*_envelope(x, y), lw=0.4, alpha=0.8, **style)
     else:
         ax.plot(x, y, ".", ms=2.2, mew=0.0, **style)
@@ -172,9 +172,9 @@ def scatter(ax, x, y, rows, color, label):
 
 def _envelope(x, y):
     """The same samples, or of many the least and the largest of each few: noise stays as wide."""
-    if x.size <= MOST:
+    if x.size <= MAX_SAMPLES:
         return x, y
-    each = -(-x.size // (MOST // 2))
-    starts = np.arange(0, x.size, each)
+    block = -(-x.size // (MAX_SAMPLES // 2))
+    starts = np.arange(0, x.size, block)
     low, high = np.minimum.reduceat(y, starts), np.maximum.reduceat(y, starts)
     return np.repeat(x[starts], 2), np.column_stack([low, high]).ravel()

@@ -54,11 +54,11 @@ STYLE: Any = {
     "xtick.direction": "in",
     "ytick.direction": "in",
 }
-#: decorator of the functions that draw; it sets what all threads share: see `dress`
+#: decorator of the functions that draw; it sets what all threads share: see `apply_style`
 styled = rc_context(STYLE)
 
 
-def dress(fig):
+def apply_style(fig):
     """Give a figure the `STYLE`, after it is drawn: for threads beside which others draw too."""
     for ax in fig.axes:
         ax.tick_params(which="both", direction="in", labelsize=STYLE["font.size"])
@@ -120,9 +120,9 @@ def show_constant(ax):
         low, high = ends[:, i]
         size = max(abs(low), abs(high))
         if scale == "linear" and high - low <= CONSTANT * size < np.inf:
-            around = ends.copy()
-            around[:, i] = low - AROUND * size, high + AROUND * size
-            ax.update_datalim(around)
+            enlarged = ends.copy()
+            enlarged[:, i] = low - AROUND * size, high + AROUND * size
+            ax.update_datalim(enlarged)
     ax.autoscale_view()
 
 

@@ -62,9 +62,9 @@ def transition(data, ax):
     width = (data.K_fold_over_K_c_qs / data.K_c_over_K_c_qs - 1.0).values
     strip = {"fc": "w", "ec": RED, "hatch": "////", "lw": 0.0, "where": width > 0}
     name = "cycle and steady sliding both stable"
-    both = ax.fill_betweenx(rows, 0.0, width, label=name, **strip)
+    strip_area = ax.fill_betweenx(rows, 0.0, width, label=name, **strip)
     curve = _hopf_curve(ax, np.zeros(rows.size), data)
-    return [*patches, *([both] if (width > 0).any() else []), *curve]
+    return [*patches, *([strip_area] if (width > 0).any() else []), *curve]
 
 
 def contours(data, name, ax, levels):
@@ -106,8 +106,8 @@ def _contours(data, name, ax, levels, color):
 def _middle(ax, points):
     """The one of these points (n, 2) of a line that is nearest to half its length on paper."""
     placed = (ax.transScale + ax.transLimits).transform(points)
-    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(placed, axis=0).T)))
-    return tuple(points[np.abs(along - 0.5 * along[-1]).argmin()])
+    lengths = np.append(0.0, np.cumsum(np.hypot(*np.diff(placed, axis=0).T)))
+    return tuple(points[np.abs(lengths - 0.5 * lengths[-1]).argmin()])
 
 
 def _round(value):
@@ -129,9 +129,9 @@ def _hopf_curve(ax, x, data):
     """Draw K_c at abscissae x by type of the bifurcation; the lines drawn."""
     lines = []
     kinds = (("supercritical", "softly", "k"), ("subcritical", "with a jump", RED))
-    for kind, how, color in kinds:
-        here = data.type.values == kind
-        if here.any():
-            style = {"color": color, "lw": 1.6, "label": f"{label('K_c')}: {how} ({kind})"}
-            lines += ax.plot(np.where(here, x, np.nan), _rows(data), zorder=3, **style)
+    for kind, onset, color in kinds:
+        is_kind = data.type.values == kind
+        if is_kind.any():
+            style = {"color": color, "lw": 1.6, "label": f"{label('K_c')}: {onset} ({kind})"}
+            lines += ax.plot(np.where(is_kind, x, np.nan), _rows(data), zorder=3, **style)
     return lines

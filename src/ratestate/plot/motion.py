@@ -55,7 +55,7 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
         return run[x] - (run[x][0] if x == "delta" else 0.0)
 
     factor, unit = prefixed(
-        QUANTITIES[x].unit, max(float(abs(along(one.run)).max()) for one in runs)
+        QUANTITIES[x].unit, max(float(abs(along(named.run)).max()) for named in runs)
     )
 
     def draw(run, values, style):
@@ -64,18 +64,18 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
     def stress(run, style):
         return draw(run, run.tau / normal_stress(run), style | (tau or {}))
 
-    alone = runs[0].run
+    first_run = runs[0].run
     if len(runs) > 1:
-        lines = tuple(stress(one.run, {"label": one.name} | one.line) for one in runs)
+        lines = tuple(stress(named.run, {"label": named.name} | named.line) for named in runs)
         ylabel = STRESS
         ax.legend()
-    elif parameter(alone, "M") == 0.0 and parameter(alone, "damping") == 0.0:
-        lines = 2 * (stress(alone, {"color": "k", "label": rf"{STRESS} = $\mu$ ($M$ = 0)"}),)
+    elif parameter(first_run, "M") == 0.0 and parameter(first_run, "damping") == 0.0:
+        lines = 2 * (stress(first_run, {"color": "k", "label": rf"{STRESS} = $\mu$ ($M$ = 0)"}),)
         ylabel = rf"{STRESS} = $\mu$"
     else:
         red = {"color": RED, "ls": DASHED, "label": r"$\mu$, friction"}
-        black = stress(alone, {"color": "k", "label": f"{STRESS}, spring"})
-        lines = black, draw(alone, alone.mu, red | (mu or {}))
+        black = stress(first_run, {"color": "k", "label": f"{STRESS}, spring"})
+        lines = black, draw(first_run, first_run.mu, red | (mu or {}))
         ylabel = rf"{STRESS} and $\mu$"
     ax.set(xlabel=f"{ALONG[x]} [{unit}]", ylabel=ylabel)
     show_constant(ax)
@@ -92,8 +92,8 @@ def force_axis(run, ax):
         return None
     newtons = float(force(parameter(run, "sigma"), parameter(run, "area")))  # at tau/sigma = 1
     factor, unit = prefixed("N", float(abs(forces["force"]).max()))
-    per_one = factor * newtons
-    scale = ax.secondary_yaxis("right", functions=(lambda y: y * per_one, lambda f: f / per_one))
+    per_mu = factor * newtons
+    scale = ax.secondary_yaxis("right", functions=(lambda y: y * per_mu, lambda f: f / per_mu))
     scale.set_ylabel(f"Force [{unit}]")
     return scale
 

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray
 
-from ..dynamics.recipe import MANY, recorded_loading
+from ..dynamics.recipe import LONGEST_COLUMN, recorded_loading
 from ..dynamics.results import contact_area, normal_stress, parameter, slider_parameters
 from ..dynamics.steady_sliding import steady_stress
 from ..engine.model import FINISHED
@@ -41,7 +41,7 @@ def named_runs(runs):
     elif isinstance(runs, dict):
         names, parts = [str(key) for key in runs], [*runs.values()]
     else:
-        names, parts = _along_a_dimension(_checked(runs))
+        names, parts = _cases_of_sweep(_checked(runs))
     if not parts:
         raise ParameterError("the list of runs is empty", "Give at least one result of simulate.")
     parts = [_with_own_time(_checked(run)) for run in parts]
@@ -80,8 +80,8 @@ def since(run, t_zero):
 
 def common(runs, symbols):
     """Those of the symbols whose parameters all runs share, as a str like the argument."""
-    each = {s: {parameter(run, s) for run in runs} for s in symbols.split()}
-    return " ".join(symbol for symbol, values in each.items() if len(values) == 1)
+    values_of = {s: {parameter(run, s) for run in runs} for s in symbols.split()}
+    return " ".join(symbol for symbol, values in values_of.items() if len(values) == 1)
 
 
 def _checked(run):
@@ -98,7 +98,7 @@ def _sweep_dims(run):
     return [dim for dim in run.tau.dims if dim != "time"]
 
 
-def _along_a_dimension(runs):
+def _cases_of_sweep(runs):
     """Names and cases of a sweep over one dimension; the run itself if it is one."""
     dims = _sweep_dims(runs)
     if not dims:
@@ -110,7 +110,7 @@ def _along_a_dimension(runs):
             "Pick values of the others with .isel.",
         )
     (dim,) = dims
-    return axis_of(runs, dim).each(dim), [runs.isel({dim: i}) for i in range(runs.sizes[dim])]
+    return axis_of(runs, dim).labels(dim), [runs.isel({dim: i}) for i in range(runs.sizes[dim])]
 
 
 def _with_own_time(run):
@@ -118,7 +118,7 @@ def _with_own_time(run):
     return run.assign_coords(time=run.t.variable).drop_vars("t") if "t" in run.coords else run
 
 
-def _named(symbol, value, run):
+def _value_name(symbol, value, run):
     if symbol in ("law", "friction_form"):
         return f"{value} {symbol}"
     return value_text(symbol, value, area=contact_area(run))
@@ -127,8 +127,8 @@ def _named(symbol, value, run):
 def _differences(runs):
     """What tells runs apart: law, parameters, last speed of the load point; or their numbers."""
     parts: list[list[str]] = [[] for _ in runs]
-    each = [slider_parameters(run) for run in runs]
-    shared = [symbol for symbol in each[0] if all(symbol in one for one in each)]
+    parameters = [slider_parameters(run) for run in runs]
+    shared = [symbol for symbol in parameters[0] if all(symbol in of_run for of_run in parameters)]
     shared = [symbol for symbol in shared if symbol not in ("law", *OPTIONAL)]
     for symbol in ("law", *shared, "friction_form", "damping", "alpha", "V_lp"):
         values = [
@@ -136,7 +136,7 @@ def _differences(runs):
         ]
         if len(set(values)) > 1:
             for part, value, run in zip(parts, values, runs, strict=True):
-                part.append(_named(symbol, value, run))
+                part.append(_value_name(symbol, value, run))
     names = [", ".join(part) for part in parts]
     return names if len(set(names)) == len(names) else [f"run {i + 1}" for i in range(len(names))]
 
@@ -151,9 +151,9 @@ def _styles(runs):
 
 def speed(runs, ax):
     """Slip velocities and load-point velocities of `NamedRun` against time."""
-    factor, unit = prefixed("s", max(float(one.run.time.max()) for one in runs))
+    factor, unit = prefixed("s", max(float(named.run.time.max()) for named in runs))
     scale = _speed_axis(runs, ax)
-    loads = {(t.tobytes(), V.tobytes()): (t, V) for t, V in (_load(one.run) for one in runs)}
+    loads = {(t.tobytes(), V.tobytes()): (t, V) for t, V in (_load(named.run) for named in runs)}
     for i, (t, load) in enumerate(loads.values()):
         name = "_" if i else "load point"
         ax.plot(factor * t, scale * load, color=GRAY, lw=1.0, ls="--", label=name)
@@ -165,7 +165,7 @@ def speed(runs, ax):
 
 def _speed_axis(runs, ax):
     """An axis for the speeds, logarithmic if that pays; the factor from SI to its unit."""
-    V = np.concatenate([one.run.V.values for one in runs])
+    V = np.concatenate([named.run.V.values for named in runs])
     factor, unit = prefixed("m/s", float(np.nanmax(V)))
     ax.set_ylabel(f"$V$ [{unit}]")
     if is_wide(V):
@@ -177,7 +177,7 @@ def _load(run):
     """Times and speeds of the load point, with its jumps if they are known; NaN at rest."""
     t, V = run.time.values, run.V_load.values
     loading = recorded_loading(run)
-    if loading is not None and loading.V.ndim == 1 and loading.t.size <= MANY:
+    if loading is not None and loading.V.ndim == 1 and loading.t.size <= LONGEST_COLUMN:
         starts = loading.t - run.attrs.get("t_zero", 0.0)
         ends = np.append(starts[1:], max(t[-1], starts[-1]))
         t = np.column_stack([starts, ends]).ravel()
@@ -198,7 +198,7 @@ def plane(runs, ax, *, named=False):
         ax.plot(run.tau / normal_stress(run), scale * run.V, label=shown, **THIN | line)
     show_constant(ax)
     low, high = ax.get_xlim()
-    speeds = np.concatenate([one.run.V.values for one in runs])
+    speeds = np.concatenate([case.run.V.values for case in runs])
     forward = speeds[speeds > 0.0]  # steady sliding is
     V = np.geomspace(forward.min(), forward.max(), 50)
     steady, crosses = {}, set()

@@ -20,7 +20,7 @@ from .messages import raw_record as sentences
 from .reading.sizes import check_stress, constant_in_si
 
 #: fewest samples
-FEWEST = 30
+MIN_SAMPLES = 30
 #: bounds of friction, which may be a change from some level; longest load-point displacement [m]
 MIN_MU, MAX_MU, MAX_DISTANCE = -0.1, 3.0, 10.0
 #: largest difference of a given loading from the recorded displacement, as a fraction of its range
@@ -52,8 +52,8 @@ class RawRecord(NamedTuple):
 def raw_record(data, slider):
     """Return the `RawRecord` in a Dataset of `read_lab` or `simulate`.
 
-    ParameterError if data is not a Dataset, has fewer than `FEWEST` samples, or has times that do
-    not increase; if a variable is absent, not along time alone, or not finite; or if the size of
+    ParameterError if data is not a Dataset, has fewer than `MIN_SAMPLES` samples, or has times that
+    do not increase; if a variable is absent, not along time alone, or not finite; or if the size of
     friction, displacement or the slider's normal stress shows that its unit is wrong.
     """
     if slider is not None:
@@ -75,8 +75,8 @@ def checked_time(data):
     if not isinstance(data, xarray.Dataset):
         raise sentences.refusal("record.type", type=type(data).__name__)
     time = column(data, "time")
-    if time.size < FEWEST:
-        raise sentences.refusal("record.few", samples=time.size, fewest=FEWEST)
+    if time.size < MIN_SAMPLES:
+        raise sentences.refusal("record.few", samples=time.size, fewest=MIN_SAMPLES)
     if not (np.diff(time) > 0.0).all():
         row = int(np.argmin(np.diff(time) > 0.0)) + 1
         raise sentences.refusal(
@@ -128,8 +128,8 @@ def displacement_of(data, time):
     """Return the load-point displacement (m,) [m], integrated from V_load if need be, or None."""
     if "delta_lp" in data.variables:
         displacement = column(data, "delta_lp")
-        if (far := float(np.ptp(displacement))) > MAX_DISTANCE:
-            raise sentences.refusal("columns.far", far=far, farthest=MAX_DISTANCE)
+        if (distance := float(np.ptp(displacement))) > MAX_DISTANCE:
+            raise sentences.refusal("columns.far", far=distance, farthest=MAX_DISTANCE)
         return displacement
     if "V_load" in data.variables:
         V, t = column(data, "V_load"), time - time[0]
@@ -197,11 +197,11 @@ def _stored_segments(data, end):
     if not any(name in data.variables for name in names):
         return None
     stored = [data[name].values for name in names if name in data.variables]
-    usable = all(one.ndim == 1 and one.size and one.dtype.kind in "iuf" for one in stored)
+    usable = all(array.ndim == 1 and array.size and array.dtype.kind in "iuf" for array in stored)
     usable = usable and len(stored) == 2 and bool(np.isfinite(stored).all())
     if not usable or (np.diff(stored[0]) <= 0.0).any():
         raise sentences.refusal("load_point.altered")
-    t, V = (one.astype(float) for one in stored)
+    t, V = (array.astype(float) for array in stored)
     t_error, V_error = (np.asarray(data.get(f"{s}_error", 0.0 * t), float) for s in names)
     return Segments(t, V, end, t_error, V_error)
 
@@ -215,9 +215,9 @@ def _check_given(loading, raw):
     if raw.displacement is None:
         return
     given = np.asarray(loading.delta_lp(raw.t))
-    worst, far = float(np.ptp(raw.displacement - given)), float(np.ptp(raw.displacement))
-    if worst > MAX_DIFFERENCE * far:
-        raise sentences.refusal("load_point.differs", given=float(given[-1]), far=far, worst=worst)
+    worst, span = float(np.ptp(raw.displacement - given)), float(np.ptp(raw.displacement))
+    if worst > MAX_DIFFERENCE * span:
+        raise sentences.refusal("load_point.differs", given=float(given[-1]), far=span, worst=worst)
 
 
 def segments_of(raw, loading=None):
@@ -228,9 +228,9 @@ def segments_of(raw, loading=None):
     if loading is None:
         return recorded_segments(raw.data, raw.time).without_overshoots()
     checked = constant_speeds_of(raw, loading)
-    nothing = np.zeros(checked.t.size)
+    zeros = np.zeros(checked.t.size)
     t, V = raw.time[0] + checked.t, np.asarray(checked.V, float)
-    return Segments(t, V, float(raw.time[-1]), nothing, nothing)
+    return Segments(t, V, float(raw.time[-1]), zeros, zeros)
 
 
 def recorded_stress(data, t, sigma):
@@ -277,9 +277,9 @@ def polyline_corners(t, values, tolerance):
             continue
         inside = slice(first + 1, last)
         slope = (values[last] - values[first]) / (t[last] - t[first])
-        off = np.abs(values[inside] - values[first] - slope * (t[inside] - t[first]))
-        farthest = int(np.argmax(off))
-        if off[farthest] > tolerance:
+        distances = np.abs(values[inside] - values[first] - slope * (t[inside] - t[first]))
+        farthest = int(np.argmax(distances))
+        if distances[farthest] > tolerance:
             middle = first + 1 + farthest
             kept[middle] = True
             open_ends += [(first, middle), (middle, last)]

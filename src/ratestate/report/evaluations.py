@@ -65,9 +65,9 @@ def _messages(catalogue: xarray.Dataset) -> list[str]:
         for part in filter(None, str(message).split("; ")):
             numbers.setdefault(part, []).append(str(number))
     texts = []
-    for text, of in numbers.items():
-        more = f" and {len(of) - MOST} more" if len(of) > MOST else ""
-        texts.append(f"event{'s' if len(of) > 1 else ''} {', '.join(of[:MOST])}{more}: {text}")
+    for text, ids in numbers.items():
+        more = f" and {len(ids) - MOST} more" if len(ids) > MOST else ""
+        texts.append(f"event{'s' if len(ids) > 1 else ''} {', '.join(ids[:MOST])}{more}: {text}")
     return texts
 
 

@@ -66,9 +66,9 @@ def report_on_fit(result: xarray.Dataset) -> Report:
     ]
     texts = [text for text in below if text and not text.endswith("law: ")]
     quality = _features(laws) if "chi2" in result else _statistics(laws)
-    above = [Title(title + law_names(laws)), *filter(None, [found])]
+    heading = [Title(title + law_names(laws)), *filter(None, [found])]
     return Report(
-        [*above, _table(laws), "", *quality, *texts, *notes],
+        [*heading, _table(laws), "", *quality, *texts, *notes],
         [f"warning: {law} law: {text}" for law, part in laws.items() for text in warnings_of(part)],
     )
 
@@ -115,12 +115,12 @@ def _texts(laws: Laws, symbol: str, factor: float) -> list[Cells]:
         # if one side is open, the closed side sets the digits
         closed = [abs(end - value) for end in ends[0] if np.isfinite(end) and end != 0.0]
         digits = error if np.isfinite(error) else min(closed, default=np.inf)
-        usual, wide = (" to ".join(_end(end, digits) for end in pair) for pair in ends)
+        usual, wide = (" to ".join(_end_text(end, digits) for end in pair) for pair in ends)
         cells.append((_plus_minus(value, error, digits), usual, wide))
     return cells
 
 
-def _end(value: float, digits: float) -> str:
+def _end_text(value: float, digits: float) -> str:
     return rounded(value, digits) if np.isfinite(value) else "(open)"
 
 
@@ -164,9 +164,9 @@ def _table(laws: Laws) -> TextTable:
     for law in laws:
         columns += [Heading(f"{law} law"), Heading("68 % interval", may_go=True, joined=True)]
         columns.append(Heading("95 % interval", joined=True))
-    for one in estimates(laws):
-        label = name_of(one.symbol, laws) + (f" [{one.unit}]" if one.unit else "")
-        rows.append([label, *(text for cells in one.texts for text in cells), one.meaning])
+    for row in estimates(laws):
+        label = name_of(row.symbol, laws) + (f" [{row.unit}]" if row.unit else "")
+        rows.append([label, *(text for cells in row.texts for text in cells), row.meaning])
     return TextTable([*columns, left("", may_go=True)], rows, splits=True)
 
 
@@ -192,11 +192,11 @@ def _features(laws: Laws) -> Blocks:
     rows = []
     for segment in range(first.sizes["segment"]):
         for feature in first["feature"].values.tolist():
-            each = [one.isel(segment=segment).sel(feature=feature) for one in laws.values()]
-            speed = readable("V_lp", float(each[0]["segment_V"]))
-            measured = with_error(float(each[0]["measured"]), float(each[0]["measured_error"]))
-            shown = measured if bool(each[0]["used"]) else "not resolved"
-            fitted = [f"{float(one['fitted']):.5g}" for one in each]
+            parts = [fit.isel(segment=segment).sel(feature=feature) for fit in laws.values()]
+            speed = readable("V_lp", float(parts[0]["segment_V"]))
+            measured = with_error(float(parts[0]["measured"]), float(parts[0]["measured_error"]))
+            shown = measured if bool(parts[0]["used"]) else "not resolved"
+            fitted = [f"{float(fit['fitted']):.5g}" for fit in parts]
             rows.append([speed, feature, shown, *fitted])
     heads = [left("load point"), left("feature"), Heading("measured")]
     texts = [
@@ -231,9 +231,9 @@ def _kinds_of_intervals(laws: Laws) -> list[str]:
             symbols.setdefault(kind, []).append(name_of(symbol, {law: part}))
         symbols.pop("covariance", None)
         texts += [
-            f"{law} law: the intervals of {', '.join(some)} are from the {kind}, and +- is half "
+            f"{law} law: the intervals of {', '.join(listed)} are from the {kind}, and +- is half "
             "the 68 % interval."
-            for kind, some in symbols.items()
+            for kind, listed in symbols.items()
         ]
     return texts
 

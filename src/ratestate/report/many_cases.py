@@ -43,9 +43,9 @@ def axes_of(result: xarray.Dataset, function: str) -> list[str]:
 def sweep(result: xarray.Dataset, function: str, units: Units) -> Blocks:
     """Return axes, how cases ended, ranges of finite values, failed cases."""
     axes = axes_of(result, function)
-    over = ", ".join(_axis(result, dim, units) for dim in axes)
+    axes_text = ", ".join(_axis(result, dim, units) for dim in axes)
     cases = int(np.prod([result.sizes[dim] for dim in axes]))
-    blocks: Blocks = [Title(f"{cases:,} cases of {function} over {over}")]
+    blocks: Blocks = [Title(f"{cases:,} cases of {function} over {axes_text}")]
     if "status" in result:
         blocks.append(outcomes(result["status"].values, function))
     blocks += [*outside_lines(result, "cases", units), "", _ranges(result, function, units)]
@@ -67,7 +67,7 @@ def outcomes(status: np.ndarray, function: str) -> str:
     ways = {"cycles" if function == "limit_cycle" else "finished": number.pop(FINISHED, 0)}
     ways |= {"steady sliding": number.pop(STEADY_SLIDING, 0)}
     ways |= {f"failed ({STATUSES[code][0].replace('_', ' ')})": n for code, n in number.items()}
-    return ", ".join(f"{n:,} {how}" for how, n in ways.items() if n)
+    return ", ".join(f"{n:,} {outcome}" for outcome, n in ways.items() if n)
 
 
 def _ranges(result: xarray.Dataset, function: str, units: Units) -> TextTable:
@@ -81,18 +81,18 @@ def _ranges(result: xarray.Dataset, function: str, units: Units) -> TextTable:
             continue
         ends = values.argmin(...), values.argmax(...)
         rows.append([name, *(cell for at in ends for cell in _value_and_place(values, at, units))])
-    place_of_it = left("at", joined=True)
+    place_head = left("at", joined=True)
     heads = [left()]
-    heads += [one for end in ("smallest", "largest") for one in (Heading(end), place_of_it)]
+    heads += [heading for end in ("smallest", "largest") for heading in (Heading(end), place_head)]
     return TextTable(heads, rows, splits=True)
 
 
 def _value_and_place(values: xarray.DataArray, at: dict[Any, Any], units: Units) -> tuple[str, str]:
-    one = values.isel(at)
-    where = {dim: one[dim].item() if dim in one.coords else int(at[dim]) for dim in at}
-    name, x = str(values.name), float(one)
+    value = values.isel(at)
+    coordinates = {dim: value[dim].item() if dim in value.coords else int(at[dim]) for dim in at}
+    name, x = str(values.name), float(value)
     text = ANY_SPEED.get(x) if name == "V_c" else None
-    return text or value_text(name, x, units), place(where, units)
+    return text or value_text(name, x, units), place(coordinates, units)
 
 
 def failed_lines(result: xarray.Dataset, units: Units) -> list[str]:
@@ -100,7 +100,7 @@ def failed_lines(result: xarray.Dataset, units: Units) -> list[str]:
     from ..sweeps.status import failures
 
     first, number = failures(result, most=FAILED_LISTED)
-    lines = [f"  {place(where, units)}: {name}: {message}" for where, name, message in first]
+    lines = [f"  {place(index, units)}: {name}: {message}" for index, name, message in first]
     return lines + ([f"  and {number - len(first)} more"] if number > len(first) else [])
 
 
@@ -121,9 +121,9 @@ def outside_lines(
     outside = code > 0
     if not (number := int(outside.sum())):
         return []
-    ways = {1: "mu falls below 0", 2: "the spring pulls back harder than friction can hold"}
-    counts = {way: int((outside & (code & bit > 0)).sum()) for bit, way in ways.items()}
-    why = ", ".join(f"{way} in {count:,}" for way, count in counts.items() if count)
+    reasons = {1: "mu falls below 0", 2: "the spring pulls back harder than friction can hold"}
+    counts = {reason: int((outside & (code & bit > 0)).sum()) for bit, reason in reasons.items()}
+    why = ", ".join(f"{reason} in {count:,}" for reason, count in counts.items() if count)
     first = (
         f"{number:,} of {code.size:,} {cases} leave the domain of the friction law, "
         f"which describes forward slip only: {why}"

@@ -84,26 +84,26 @@ class TextTable(NamedTuple):
             if i:
                 yield Text()
             heads = [self.columns[c] for c in columns]
-            made = rich_table.Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+            table = rich_table.Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
             for head in heads:
                 look: Any = {"justify": "right" if head.right else "left", "overflow": "fold"}
                 is_fixed = head.right and not self.splits
-                made.add_column(Text(head.head), no_wrap=is_fixed, **look)
+                table.add_column(Text(head.head), no_wrap=is_fixed, **look)
             for row in self.rows:
-                made.add_row(*(Text(row[c]) for c in columns))
-            yield made
+                table.add_row(*(Text(row[c]) for c in columns))
+            yield table
 
     def parts(self, width: int) -> list[list[int]]:
         """Return the columns (list of int) of each of the tables for a width [characters]."""
-        every = [*zip(*([one.head for one in self.columns], *self.rows), strict=True)]
-        widths = [max(len(line) for text in cells for line in text.split("\n")) for cells in every]
+        texts = [*zip(*([head.head for head in self.columns], *self.rows), strict=True)]
+        widths = [max(len(line) for text in cells for line in text.split("\n")) for cells in texts]
         columns = [*range(len(widths))]
 
-        def is_too_wide(some: list[int]) -> bool:
-            return sum(widths[c] + GAP for c in some) - GAP > width
+        def is_too_wide(shown: list[int]) -> bool:
+            return sum(widths[c] + GAP for c in shown) - GAP > width
 
-        while is_too_wide(columns) and (going := [c for c in columns if self.columns[c].may_go]):
-            first = self.columns[going[0]]
+        while is_too_wide(columns) and (optional := [c for c in columns if self.columns[c].may_go]):
+            first = self.columns[optional[0]]
             columns = [c for c in columns if self.columns[c] != first]
         if not self.splits:
             return [columns]
@@ -122,8 +122,8 @@ class TextTable(NamedTuple):
 
     def markdown(self) -> str:
         """Return the whole table in Markdown."""
-        heads = [one.head.replace("\n", " ") for one in self.columns]
-        rule = ["---:" if one.right else "---" for one in self.columns]
+        heads = [head.head.replace("\n", " ") for head in self.columns]
+        rule = ["---:" if head.right else "---" for head in self.columns]
         rows = (" | ".join(cells).replace("\n", " ") for cells in (heads, rule, *self.rows))
         return "\n".join(f"| {row} |" for row in rows)
 
@@ -199,7 +199,7 @@ class Row(NamedTuple):
 
 def of_quantities(rows: list[Row], units: Units) -> TextTable:
     """Return a table of symbol, value, relative error if any row has one, and meaning."""
-    errors = any(one.error is not None for one in rows)
+    errors = any(row.error is not None for row in rows)
     head = [Heading("relative\nerror")] if errors else []
     columns = [left(), Heading("value"), *head, left()]
     cells = []
@@ -244,9 +244,9 @@ def scale_of(symbol: str, size: float, in_thousandths: bool = False) -> tuple[fl
     return 10.0**-power, prefixed_unit(unit, power)
 
 
-def place(where: Mapping[Any, Any], units: Units) -> str:
+def place(coordinates: Mapping[Any, Any], units: Units) -> str:
     """Return a case's values along the axes, name -> value, as text with units."""
     return ", ".join(
         f"{dim} = {value_text(dim, float(x), units)}" if dim in QUANTITIES else f"{dim} = {x}"
-        for dim, x in where.items()
+        for dim, x in coordinates.items()
     )

@@ -51,8 +51,8 @@ def run(result: xarray.Dataset, units: Units) -> Blocks:
     """The end of a run, its extremes, and the last cycle that its tolerance resolves."""
     last = result.isel(time=-1)
     V = result.V.values
-    when = (readable_time(float(result.time[i]), DIGITS) for i in (V.argmax(), V.argmin()))
-    fastest, slowest = (f"at {time}" for time in when)
+    times = (readable_time(float(result.time[i]), DIGITS) for i in (V.argmax(), V.argmin()))
+    fastest, slowest = (f"at {time}" for time in times)
     rows = [
         Row("V", last.V, f"load point {readable('V_load', float(last.V_load), DIGITS)}"),
         Row("tau", last.tau, f"tau/sigma = {float(last.tau) / float(normal_stress(last)):.6g}"),
@@ -66,11 +66,11 @@ def run(result: xarray.Dataset, units: Units) -> Blocks:
     ]
     if float(result.frequency) > 0.0:
         # (of a limit cycle, of ringing that decays, or due to the load point)
-        own = parameter(result, "sigma")
+        sigma = parameter(result, "sigma")
         varies = "sigma" in result.data_vars
-        over = f", over sigma(0) = {value_text('sigma', own, units)}" if varies else ""
-        rows.append(Row("amplitude", result.amplitude, f"of the last cycle{over}"))
-        rows.append(Row("stress_drop", result.amplitude * own, "of the last cycle"))
+        reference = f", over sigma(0) = {value_text('sigma', sigma, units)}" if varies else ""
+        rows.append(Row("amplitude", result.amplitude, f"of the last cycle{reference}"))
+        rows.append(Row("stress_drop", result.amplitude * sigma, "of the last cycle"))
         rows += _of_contact(result, "force_amplitude", "displacement_amplitude")
         rows.append(Row("frequency", result.frequency, "of the last cycle"))
     rows.append(Row("energy_residual", abs(result.energy_residual)))
@@ -103,8 +103,8 @@ def stability(result: xarray.Dataset, units: Units) -> Blocks:
     ratio = f"{K / K_c:.4g} K_c" if K_c > 0.0 else ""
     e_folding = ""
     if growth != 0.0 and math.isfinite(growth):
-        what = "grows" if growth > 0.0 else "decays"
-        e_folding = f"{what}; e-folding time {readable_time(1.0 / abs(growth), DIGITS)}"
+        tendency = "grows" if growth > 0.0 else "decays"
+        e_folding = f"{tendency}; e-folding time {readable_time(1.0 / abs(growth), DIGITS)}"
     rows = [
         Row("K", K, ratio if math.isfinite(K) else "rigid"),
         _critical("K_c", K_c, "unstable where K < K_c"),
@@ -173,8 +173,8 @@ def cycle(result: xarray.Dataset, units: Units) -> Blocks:
     names = ("force_amplitude", "displacement_amplitude", "acceleration_max")
     rows += _of_contact(result, *names)
     for name in ("V_max", "V_min"):
-        over = f"{float(result[name]) / V:.4g} V_lp"
-        rows.append(Row(name, result[name], over, error=float(result[f"{name}_error"])))
+        multiple = f"{float(result[name]) / V:.4g} V_lp"
+        rows.append(Row(name, result[name], multiple, error=float(result[f"{name}_error"])))
     multipliers = ", ".join(map(readable_multiplier, result.multipliers.values))
     rows += [
         Row("inertia", result.inertia),
@@ -209,10 +209,10 @@ def _special_points(result: xarray.Dataset, symbol: str, stable: Any, units: Uni
     rows = []
     after = [*("stable" if holds else "unstable" for holds in stable[1:]), ""]
     for i in np.flatnonzero(result.special.values != ""):
-        one = result.isel(point=i)
-        numbers = (value_text(name, float(one[name]), units) for name in (symbol, *OF_POINTS))
-        multiplier = readable_multiplier(complex(one.multipliers[0]))
-        name = str(one.special.item()).replace("_", " ")
+        point = result.isel(point=i)
+        numbers = (value_text(name, float(point[name]), units) for name in (symbol, *OF_POINTS))
+        multiplier = readable_multiplier(complex(point.multipliers[0]))
+        name = str(point.special.item()).replace("_", " ")
         rows.append([name, *numbers, multiplier, after[i]])
     heads = [symbol, *OF_POINTS, "multiplier"]
     columns = [*map(Heading, heads), left("cycles\nafter it")]
@@ -229,19 +229,19 @@ def response(result: xarray.Dataset, units: Units) -> Blocks:
         Row("resonance", result.resonance, "" if known else "the slider does not oscillate"),
         Row("quality", result.quality),
     ]
-    every = result if "frequency" in result.dims else result.expand_dims("frequency")
-    n = every.sizes["frequency"]
-    some = every.isel(
+    curve = result if "frequency" in result.dims else result.expand_dims("frequency")
+    n = curve.sizes["frequency"]
+    drawn = curve.isel(
         frequency=np.unique(np.linspace(0, n - 1, min(n, MOST_FREQUENCIES)).round().astype(int))
     )
-    low, high = (readable("frequency", float(x)) for x in (every.frequency[0], every.frequency[-1]))
+    low, high = (readable("frequency", float(x)) for x in (curve.frequency[0], curve.frequency[-1]))
     note = f"{n} frequencies from {low} to {high}" if n > 1 else f"One frequency, {low}"
-    note += f", {some.sizes['frequency']} of them shown" if n > MOST_FREQUENCIES else ""
+    note += f", {drawn.sizes['frequency']} of them shown" if n > MOST_FREQUENCIES else ""
     of_size = {"V": V, "tau": sigma, "mu": 1.0}
     tables: Blocks = []
     for given, size in (("V_lp", V), ("sigma", sigma)):
         tables += ["", Title(f"Per relative change of {given} (phases in degrees)")]
-        tables.append(_gains(some, given, {out: size / x for out, x in of_size.items()}, units))
+        tables.append(_gains(drawn, given, {out: size / x for out, x in of_size.items()}, units))
     return [Title(title), of_quantities(rows, units), "", note, *tables]
 
 
@@ -252,10 +252,10 @@ def _gains(
     heads = ["frequency", *(head for name in OUTPUTS.values() for head in (name, "phase"))]
     rows = []
     for i, frequency in enumerate(result.frequency.values):
-        one = result.isel(frequency=i)
+        response = result.isel(frequency=i)
         cells = [value_text("frequency", float(frequency), units, FEW_DIGITS)]
         for out, factor in factors.items():
-            gain, phase = (float(one[f"{out}_by_{given}_{x}"]) for x in ("gain", "phase"))
+            gain, phase = (float(response[f"{out}_by_{given}_{x}"]) for x in ("gain", "phase"))
             cells += [f"{gain * factor:.{FEW_DIGITS}g}", f"{np.degrees(phase):.1f}"]
         rows.append(cells)
     return TextTable([*map(Heading, heads)], rows)

@@ -45,7 +45,7 @@ KINDS = {
 BEFORE = "kind step_t step_delta_lp V_before V_after t_hold sigma sigma_after".split()
 AFTER = "rms aic aic_difference samples status warnings message".split()
 #: heads of the joint rows, and their cells in columns without a joint value
-TOGETHER, BLANK = ("all", "scatter", "up/down"), ("", "", "")
+JOINT_ROWS, BLANK = ("all", "scatter", "up/down"), ("", "", "")
 
 
 def blocks(result):
@@ -72,7 +72,7 @@ def table_of(result, law):
     times = [f"{float(step['step_t']):.1f}" for step in steps]
     heads = [*HEADS]
     columns = [
-        [*(str(int(step["step"])) for step in steps), *TOGETHER],
+        [*(str(int(step["step"])) for step in steps), *JOINT_ROWS],
         [*times, *BLANK],
         [*map(change_text, steps), *BLANK],
     ]
@@ -80,14 +80,14 @@ def table_of(result, law):
         if symbol in (*TRENDS, "mu0") or not np.isfinite(part[symbol].values).any():
             continue
         head, factor = _head(parts, symbol)
-        here = part.sel(parameter=symbol)
-        together = [
-            _concise(here["shared"], here["shared_error"], factor),
-            _concise(here["scatter"], np.nan, factor),
-            _concise(here["up_over_down"], here["up_over_down_error"], 1.0),
+        estimates = part.sel(parameter=symbol)
+        joint = [
+            _concise(estimates["shared"], estimates["shared_error"], factor),
+            _concise(estimates["scatter"], np.nan, factor),
+            _concise(estimates["up_over_down"], estimates["up_over_down_error"], 1.0),
         ]
         heads.append(Heading(head))
-        columns.append([*(_cell(step, symbol, factor) for step in steps), *together])
+        columns.append([*(_cell(step, symbol, factor) for step in steps), *joint])
     if any(notes := [*map(_note, steps)]):
         heads.append(left("note"))
         columns.append([*notes, *BLANK])
@@ -109,19 +109,19 @@ def _head(parts, symbol):
     typical = max(float(np.median(size)) for size in known if size.size)
     factor, unit = scale_of(symbol, typical, in_thousandths=True)
     is_rate = symbol == "a_minus_b"
-    name = rate_dependence_text([law_of(one) for one in parts.values()]) if is_rate else symbol
+    name = rate_dependence_text([law_of(fit) for fit in parts.values()]) if is_rate else symbol
     return f"{name} [{unit}]" if unit else name, factor
 
 
 def _cell(step, symbol, factor):
     """Return the estimate of a step with its error, or its bound if one end is open."""
-    here = step.sel(parameter=symbol)
+    estimate = step.sel(parameter=symbol)
     infinite = np.array([-np.inf, np.inf])
-    ends = here["interval"].values[-1]
+    ends = estimate["interval"].values[-1]
     is_open = ends == (infinite if symbol in DERIVED else to_value(symbol, infinite))
     if is_open.sum() == 1:  # such as "< 0.16"
         return f"{'>' if is_open[1] else '<'} {short(factor * ends[~is_open][0])}"
-    return _concise(here[symbol], here["standard_error"], factor)
+    return _concise(estimate[symbol], estimate["standard_error"], factor)
 
 
 def _concise(value, error, factor):
@@ -137,8 +137,8 @@ def change_text(step):
     before, after = float(step["V_before"]), float(step["V_after"])
     kind = str(step["kind"].item())
     if kind == HOLD:
-        then = readable("V_lp", after, 3) if np.isfinite(after) else "to the record's end"
-        return f"hold {readable('t', float(step['t_hold']), 3)}, {then}"
+        next_speed = readable("V_lp", after, 3) if np.isfinite(after) else "to the record's end"
+        return f"hold {readable('t', float(step['t_hold']), 3)}, {next_speed}"
     if kind == NORMAL_STRESS:
         ends = (float(step[name]) for name in ("sigma", "sigma_after"))
         return f"sigma {readable_change('sigma', *ends)}"
@@ -147,11 +147,11 @@ def change_text(step):
 
 def heading_of_steps(result):
     source = attribute_text(result, "source", "")
-    about = f"Fits of {source}: " if source else "Fits of "
+    title = f"Fits of {source}: " if source else "Fits of "
     laws = law_names(tuple(results_by_law(result)))
     counted = [(int((result["kind"] == kind).sum()), names) for kind, names in KINDS.items()]
     counts = ", ".join(f"{n} {names[n > 1]}" for n, names in counted if n)
-    return Title(f"{about}{counts}, {laws}")
+    return Title(f"{title}{counts}, {laws}")
 
 
 def remarks_on_steps(result):
@@ -182,11 +182,11 @@ def warnings_on_steps(result):
 def warnings_by_text(part):
     """Return pairs of steps, such as "steps 3, 9", and a warning on them."""
     steps: dict[str, list[str]] = {}
-    for i, several in enumerate(part["warnings"].values.tolist(), 1):
-        for text in several.splitlines():
+    for i, texts in enumerate(part["warnings"].values.tolist(), 1):
+        for text in texts.splitlines():
             steps.setdefault(text, []).append(str(i))
     return [
-        (f"step{'s' if len(of) > 1 else ''} {', '.join(of)}", text) for text, of in steps.items()
+        (f"step{'s' if len(ids) > 1 else ''} {', '.join(ids)}", text) for text, ids in steps.items()
     ]
 
 
@@ -207,13 +207,13 @@ def _on_symmetry(part):
     """Yield a sentence on the distances by steps up and steps down."""
     distances = [s for s in part["parameter"].values.tolist() if QUANTITIES[s].unit == "m"]
     for symbol in distances[:1]:
-        here = part.sel(parameter=symbol)
+        estimates = part.sel(parameter=symbol)
         keys = ("up_over_down", "up_over_down_error", "up_over_down_p_value")
-        ratio, error, p = (float(here[key]) for key in keys)
+        ratio, error, p = (float(estimates[key]) for key in keys)
         if np.isfinite(p):
-            alike = "alike" if p >= IMPROBABLE else "not alike"
+            verdict = "alike" if p >= IMPROBABLE else "not alike"
             yield (
-                f"steps up and steps down are {alike}: {symbol} of steps up is "
+                f"steps up and steps down are {verdict}: {symbol} of steps up is "
                 f"{with_error(ratio, error)} times that of steps down ({_probability(p)})."
             )
 

@@ -67,8 +67,8 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
         return Report(many_cases.sweep(result, name, shown))
     if name in single.TABLES:
         return Report(single.TABLES[name](result, shown))
-    numbers = {key: one for key, one in result.data_vars.items() if key in QUANTITIES}
-    rows = [Row(str(key), one) for key, one in numbers.items() if not one.dims]
+    numbers = {key: value for key, value in result.data_vars.items() if key in QUANTITIES}
+    rows = [Row(str(key), value) for key, value in numbers.items() if not value.dims]
     if not rows:
         raise ParameterError(
             f"the title of the Dataset, {name!r}, does not name a result",

@@ -46,8 +46,8 @@ def _of_steps(result: xarray.Dataset) -> list[dict[str, Any]]:
     rows = []
     for law, part in results_by_law(result).items():
         for name in part["parameter"].values.tolist():
-            here = part.sel(parameter=name)
-            numbers = {head: (here[key], own) for head, (key, own) in OF_STEPS.items()}
+            estimates = part.sel(parameter=name)
+            numbers = {head: (estimates[key], unit) for head, (key, unit) in OF_STEPS.items()}
             if any(bool(value.notnull()) for value, _ in numbers.values()):
                 rows.append(_row(name, law, numbers))
     return rows
@@ -60,8 +60,8 @@ def _of_record(result: xarray.Dataset) -> list[dict[str, Any]]:
             continue
         for law in result["law"].values.tolist() if variable.dims else [""]:
             part = result.sel(law=law) if law else result
-            keys = {head: (f"{name}{end}", own) for head, (end, own) in OF_RECORD.items()}
-            numbers = {head: (part[key], own) for head, (key, own) in keys.items() if key in part}
+            keys = {head: (f"{name}{end}", unit) for head, (end, unit) in OF_RECORD.items()}
+            numbers = {head: (part[key], unit) for head, (key, unit) in keys.items() if key in part}
             rows.append(_row(str(name), law, numbers))
     return rows
 
@@ -70,7 +70,7 @@ def _row(name: str, law: str, numbers: dict[str, Any]) -> dict[str, Any]:
     """Return law, quantity, its unit, and numbers, from SI; what is missing is empty."""
     unit, size = laboratory_unit(name, QUANTITIES[name].unit)
     cells = {
-        head: "" if value.isnull() else f"{float(value) / (size if own else 1.0):.10g}"
-        for head, (value, own) in numbers.items()
+        head: "" if value.isnull() else f"{float(value) / (size if has_unit else 1.0):.10g}"
+        for head, (value, has_unit) in numbers.items()
     }
     return {"law": law, "quantity": name.replace("_", " "), "unit": unit} | cells

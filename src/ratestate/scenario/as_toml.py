@@ -63,11 +63,11 @@ def toml(scenario: Scenario) -> str:
         axes[symbol] = _inline({key: quantity(symbol, end) for key, end in ends.items()})
     if function == "limit_cycle" and axes and "V_start" in settings and "V_start" not in swept:
         axes["V_start"] = _literal("V_start", settings["V_start"])
-    elsewhere = {"V_lp", "parameter", "start", "stop", *axes}
+    other_keys = {"V_lp", "parameter", "start", "stop", *axes}
     run = {
         k: _axis(k, v) if is_array(v) else _literal(k, v)
         for k, v in settings.items()
-        if k not in elsewhere
+        if k not in other_keys
     }
     output = {"file": scenario.output.file, "plot": scenario.output.plot}
     named = {"function": f'"{function}"'}
@@ -105,18 +105,19 @@ def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
         return columns | stress, values["V_lp"][-1]
     if first.method == "sinusoid":
         _refuse_arrays("the amplitude of a sinusoid", values["amplitude"])
-        speeds, more = [values["V_lp"]], {"sinusoid": _table(first)}
+        speeds, entries = [values["V_lp"]], {"sinusoid": _table(first)}
     else:
-        speeds = [one["V_lp"] for one in (values, *(x.arguments for x in events)) if "V_lp" in one]
+        given = values, *(event.arguments for event in events)
+        speeds = [arguments["V_lp"] for arguments in given if "V_lp" in arguments]
         if any(map(is_array, speeds[:-1])):
             raise ParameterError(
                 "a scenario file can sweep only the last speed of a loading", AS_PYTHON
             )
         steps = [_table(call, duration=call.method) for call in events]
-        more = {"steps": _lines(steps)} if steps else {}
+        entries = {"steps": _lines(steps)} if steps else {}
     if not is_array(speeds[0]):
-        more = {"V_lp": quantity("V_lp", speeds[0])} | more
-    return more | stress, speeds[-1]
+        entries = {"V_lp": quantity("V_lp", speeds[0])} | entries
+    return entries | stress, speeds[-1]
 
 
 def _normal_stress(calls: list[Call]) -> dict[str, str]:
@@ -144,17 +145,17 @@ def _lines(tables: list[str]) -> str:
     return "[\n" + "".join(f"    {table},\n" for table in tables) + "]"
 
 
-def _refuse_arrays(what: str, *values: Any) -> None:
+def _refuse_arrays(subject: str, *values: Any) -> None:
     """Raise ParameterError for values that are swept."""
     if any(map(is_array, values)):
-        raise ParameterError(f"{what} cannot be swept in a scenario file", AS_PYTHON)
+        raise ParameterError(f"{subject} cannot be swept in a scenario file", AS_PYTHON)
 
 
 def _axis(symbol: str, value: Any) -> str:
     """Return the values of a swept parameter."""
     if not is_own_axis(symbol, value):
         ways = OTHER_QUANTITIES.get(symbol, {}).items()
-        made_of = [f"{quantity} and {by}" for quantity, (_, by) in ways if by in value.dims]
+        made_of = [f"{quantity} and {key}" for quantity, (_, key) in ways if key in value.dims]
         why = f", as it does if made of {' or of '.join(made_of)}" if made_of else ""
         raise ParameterError(
             f"{symbol} lies along {', '.join(map(str, value.dims))}{why}, but in a scenario file "
@@ -212,5 +213,5 @@ def is_own_axis(symbol: str, value: Any) -> bool:
     if not is_array(value) or value.dims != (symbol,):
         return False
     labels = value.coords.get(symbol)
-    same = labels is None or (labels.dims == (symbol,) and np.array_equal(labels, value))
-    return bool(same and not value.coords.keys() - {symbol})
+    is_coordinate = labels is None or (labels.dims == (symbol,) and np.array_equal(labels, value))
+    return bool(is_coordinate and not value.coords.keys() - {symbol})

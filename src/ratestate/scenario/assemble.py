@@ -20,7 +20,7 @@ from .problems import Place, Problem
 from .scenario import FUNCTIONS, Output, Scenario
 from .tables import Sweep
 
-FEW = 10**5  # cases whose initial values are checked one by one
+MAX_CHECKED = 10**5  # cases whose initial values are checked one by one
 
 
 class Tables(NamedTuple):
@@ -47,20 +47,20 @@ class Tables(NamedTuple):
 def assemble(tables: Tables) -> Scenario | None:
     """Return the scenario, or None if there are problems; note those that are found here."""
     slider = _slider(tables)
-    function, own, swept, branch = tables.sweep
+    function, file_function, swept, branch = tables.sweep
     if swept.get("V_lp") is not None and tables.loading.is_record:
         tables.place("V_lp").add("loading.of_record", like=example("V_lp"))
     _note_missing_speed(tables)
     run = dict(tables.run)
-    if own != function:  # functions have rtol of different meanings
+    if file_function != function:  # functions have rtol of different meanings
         run.pop("rtol", None)
-    if function == "limit_cycle" and (own != function or "sweep" in tables.names):
+    if function == "limit_cycle" and (file_function != function or "sweep" in tables.names):
         run.pop("V_start", None)  # of the run
     settings = run | {k: v for k, v in swept.items() if k not in parameter_keys()}
     if function:
         check_rtol = FUNCTIONS[function].check_rtol
         if check_rtol and settings.get("rtol") is not None:
-            tables.place("rtol").noting(lambda: check_rtol(settings["rtol"]))
+            tables.place("rtol").attempt(lambda: check_rtol(settings["rtol"]))
     if function == "simulate":
         settings.pop("frequency", None)
         V_last = settings.pop("V_lp", None)
@@ -76,7 +76,7 @@ def assemble(tables: Tables) -> Scenario | None:
         settings = _in_si(branch, slider) | settings
     if function == "continue_cycle" and slider is not None and branch and not tables.problems:
         check = functools.partial(checked_family, slider, **{"V_lp": None, "rtol": 1e-8} | settings)
-        tables.table("sweep").at(branch["parameter"]).noting(check)
+        tables.table("sweep").at(branch["parameter"]).attempt(check)
     if tables.problems or slider is None:
         return None
     return Scenario(function, slider, settings, Output(**tables.output))
@@ -110,11 +110,11 @@ def _slider(tables: Tables) -> SpringSlider | None:
     for key in [key for key in ("area", *OTHER_QUANTITIES) if key in values]:
         read = functools.partial(parameter_to_si, key, values[key], given)
         where = tables.table("sweep" if key in swept else "slider").at(key)
-        if (value := where.noting(read)) is not None:
+        if (value := where.attempt(read)) is not None:
             given[key] = value
     if len(tables.problems) > before:
         return None
-    return place.noting(lambda: SpringSlider(**values | given))
+    return place.attempt(lambda: SpringSlider(**values | given))
 
 
 def _note_missing_speed(tables: Tables) -> None:
@@ -149,13 +149,13 @@ def _check_run(
     t_end, times, place = values.get("t_end"), values.get("times"), tables.place
     if t_end is not None:
         if loading is not None:
-            place("t_end").noting(lambda: loading.covers(t_end))
+            place("t_end").attempt(lambda: loading.covers(t_end))
         if loading is not None and slider is not None:
             check = functools.partial(check_normal_stress, loading, slider, t_end)
-            tables.table("loading").at("sigma").noting(check)
-        place("times").noting(lambda: saved_times(times, t_end))
+            tables.table("loading").at("sigma").attempt(check)
+        place("times").attempt(lambda: saved_times(times, t_end))
     if slider is not None and values.get("initial"):
-        place("initial").noting(lambda: _check_initial(slider, values, loading))
+        place("initial").attempt(lambda: _check_initial(slider, values, loading))
     if loading is None or slider is None or t_end is None:
         return
     if "V_start" not in values and not np.all(np.greater(loading.V_first, 0.0)):
@@ -174,7 +174,7 @@ def _check_initial(slider: SpringSlider, values: dict[str, Any], loading: Loadin
     given = slider.values | {"V_start": 1.0 if start is None else start}
     given |= initial_values(values["initial"], slider.friction_law)
     batch = Batch(given, {"V_lp": speeds.V} if is_array(speeds.V) else {})
-    if batch.n <= FEW:
+    if batch.n <= MAX_CHECKED:
         table, rows = batch.rows(speeds.V)
         with np.errstate(divide="ignore"):
             initial_state(slider.friction_law, batch, table[rows, 0])

@@ -138,25 +138,25 @@ def _law_of(slider: dict[str, Any]) -> FrictionLaw | None:
 def _parse(text: bytes, name: str) -> dict[str, Any]:
     """Parse the text as TOML."""
     if len(text) > LARGEST:
-        what = message("file.too_large", size=len(text), most=LARGEST)
-        raise refusal("file.unreadable", name=name, what=what)
+        problem = message("file.too_large", size=len(text), most=LARGEST)
+        raise refusal("file.unreadable", name=name, what=problem)
     try:
         if not (deep := _line_of_deep_key(text)):
             return tomllib.loads(text.decode("utf-8-sig"))
-        what = message("file.deep_key", line=deep, most=DEEPEST)
+        problem = message("file.deep_key", line=deep, most=DEEPEST)
     except UnicodeDecodeError as error:
-        what = message("file.not_utf8", line=text[: error.start].count(b"\n") + 1)
+        problem = message("file.not_utf8", line=text[: error.start].count(b"\n") + 1)
     except RecursionError:
-        what = message("file.deep_brackets")
+        problem = message("file.deep_brackets")
     except tomllib.TOMLDecodeError as error:
-        reason, _, where = str(error).partition(" (at ")
-        number = re.match(r"line (\d+)", where)
+        reason, _, position = str(error).partition(" (at ")
+        number = re.match(r"line (\d+)", position)
         lines = (text if number else text.rstrip()).decode().split("\n")
         k = int(number[1]) if number else len(lines)  # else it is the end of the document
-        what = message("file.broken", given=lines[k - 1].strip(), line=k, what=reason)
+        problem = message("file.broken", given=lines[k - 1].strip(), line=k, what=reason)
     except ValueError:
-        what = message("file.huge_integer")
-    raise refusal("file.no_toml", name=name, what=what)
+        problem = message("file.huge_integer")
+    raise refusal("file.no_toml", name=name, what=problem)
 
 
 def _bytes(path: Path) -> bytes:
@@ -164,19 +164,19 @@ def _bytes(path: Path) -> bytes:
     try:
         size = path.stat().st_size
         if not path.is_file():
-            what = "Is a directory" if path.is_dir() else "it is not a file"
+            problem = "Is a directory" if path.is_dir() else "it is not a file"
         elif size > LARGEST:
-            what = message("file.too_large", size=size, most=LARGEST)
+            problem = message("file.too_large", size=size, most=LARGEST)
         else:
             return path.read_bytes()
     except FileNotFoundError:
         name, wanted = repr(str(path))[1:-1], _likely_file(path)
         raise refusal("file.missing", MissingFileError, name=name, wanted=wanted) from None
     except OSError as error:
-        what = str(error.strerror)
+        problem = str(error.strerror)
     except ValueError:  # a null character in the path
-        what = "no such name"
-    raise refusal("file.unreadable", name=repr(str(path))[1:-1], what=what)
+        problem = "no such name"
+    raise refusal("file.unreadable", name=repr(str(path))[1:-1], what=problem)
 
 
 def _likely_file(path: Path) -> str:

@@ -159,10 +159,10 @@ def known_items(
         elif homes := tables_with(key):
             place.at(key).add("key.misplaced", tables=homes, like=example(key))
         else:
-            own = nearest(key, keys)
-            near = None if own else nearest(key, {k for t in TABLES for k in keys_of(t)})
+            near_key = nearest(key, keys)
+            near = None if near_key else nearest(key, {k for t in TABLES for k in keys_of(t)})
             meant = f" Did you mean {near} in {tables_with(near)}?" if near else ""
-            wanted = one_of(keys, key, example(own or keys[0], table)) + meant
+            wanted = one_of(keys, key, example(near_key or keys[0], table)) + meant
             place.at(key).add(
                 "key.no_parameter" if function else "key.unknown", function=function, wanted=wanted
             )

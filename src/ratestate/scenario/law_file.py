@@ -35,17 +35,17 @@ def take_law_file(
         return
     else:
         place = Place(("slider", "law_file"), problems)
-        file, name = named, place.noting(lambda: _register(named, folder)) or ""
+        file, name = named, place.attempt(lambda: _register(named, folder)) or ""
     if name:
-        law, own = friction_law(name), name.partition(HASH_MARK)[0]
+        law, base_name = friction_law(name), name.partition(HASH_MARK)[0]
         for key, table in {"slider": slider, "sweep": sweep}.items():
             other = table.pop("law", name)
             text = str(other).lower()
-            if text not in (name, own, *law.synonyms):
-                is_edited = text.partition(HASH_MARK)[0] == own
+            if text not in (name, base_name, *law.synonyms):
+                is_edited = text.partition(HASH_MARK)[0] == base_name
                 kind = "law_file.edited" if is_edited else "law_file.other"
                 place = Place((key, "law"), problems)
-                place.add(kind, given=other, file=file, name=name, own=own)
+                place.add(kind, given=other, file=file, name=name, own=base_name)
         slider["law"] = name
         return
     for name, table in {"slider": slider, "sweep": sweep}.items():

@@ -84,12 +84,12 @@ class LoadingTable:
                     return None
                 first = Call("sinusoid", first.arguments | {"t_end": t_end})
             make = functools.partial(first.apply_to, Loading)
-            loading = place.noting(make)
+            loading = place.attempt(make)
         if loading is None or (self.is_record and not self.is_sound):
             return None
         for place, call in calls:
             make = functools.partial(call.apply_to, loading)
-            loading = place.noting(make) or loading
+            loading = place.attempt(make) or loading
         return loading if is_known and len(self.place.problems) == before else None
 
 
@@ -127,8 +127,8 @@ def loading_table(
         if key != "sinusoid":
             loading.calls += calls
         elif calls and not loading.is_record:
-            where, wave = calls[0]
-            loading.calls = [(where, Call("sinusoid", {"V_lp": V} | wave.arguments))]
+            wave_place, wave = calls[0]
+            loading.calls = [(wave_place, Call("sinusoid", {"V_lp": V} | wave.arguments))]
     loading.is_sound = len(problems) == before
     return loading
 
@@ -152,27 +152,27 @@ def _steps(key: str, steps: Any, place: Place, area: dict[str, Any]) -> list[tup
         return []
     calls = []
     for i, step in enumerate(steps):
-        where, before = place.at(i), len(place.problems)
-        values = known.read(step, where)
+        step_place, before = place.at(i), len(place.problems)
+        values = known.read(step, step_place)
         if values is None:
             continue
         kind = "hold" if "hold" in values else "ramp" if "ramp" in values else "step"
         if "t" not in values:
-            where.missing("t")
+            step_place.missing("t")
         if kind == "hold":
-            for beside in {"V_lp", "ramp"} & values.keys():
-                where.at(beside).add("steps.beside_hold", like=known.like)
+            for extra in {"V_lp", "ramp"} & values.keys():
+                step_place.at(extra).add("steps.beside_hold", like=known.like)
         elif symbol not in values:
             of_speed = message("steps.speed_wanted", wanted=QUANTITIES["V_lp"].remedy)
-            where.missing(symbol, of_speed if symbol == "V_lp" else "")
-        _divide_force(values, "sigma", where, area)
+            step_place.missing(symbol, of_speed if symbol == "V_lp" else "")
+        _divide_force(values, "sigma", step_place, area)
         if len(place.problems) == before:
             order = ("t", "V_lp", "sigma", kind)
             arguments = {
                 "duration" if key == kind else key: values[key] for key in order if key in values
             }
             method = f"sigma_{kind}" if symbol == "sigma" else kind
-            calls.append((where, Call(method, arguments)))
+            calls.append((step_place, Call(method, arguments)))
     return calls
 
 
@@ -185,8 +185,8 @@ def _wave(key: str, table: Any, place: Place, area: dict[str, Any]) -> list[tupl
     if "amplitude" not in values:
         place.missing("amplitude", QUANTITIES[known.keys["amplitude"][0]].remedy)
     if ("period" in values) == ("frequency" in values):
-        twice = "period" in values
-        place.at("period").add("periodic.two_periods" if twice else "periodic.no_period")
+        has_both = "period" in values
+        place.at("period").add("periodic.two_periods" if has_both else "periodic.no_period")
     _divide_force(values, "amplitude", place, area)
     return [(place, Call(key, values))] if len(place.problems) == before else []
 
@@ -195,7 +195,7 @@ def _divide_force(values: dict[str, Any], key: str, place: Place, area: dict[str
     """Divide a value by the area if it is a force, which is still a text."""
     if isinstance(force := values.get(key), str):
         divide = functools.partial(parameter_to_si, "sigma", force, area)
-        values[key] = place.at(key).noting(divide, "sigma")
+        values[key] = place.at(key).attempt(divide, "sigma")
 
 
 def _from_rows(given: dict[str, Any], place: Place, area: dict[str, Any]) -> Loading | None:
@@ -208,15 +208,15 @@ def _from_rows(given: dict[str, Any], place: Place, area: dict[str, Any]) -> Loa
                 place.missing(key, message("loading.speeds_wanted", like=SPEEDS_LIKE))
         elif not isinstance(given[key], list):
             at.add("loading.no_list", given=given[key], t=LIKE["t"], V_lp=SPEEDS_LIKE)
-        elif many := read_values(key, given[key], at, bound):
-            columns[key] = many.array()
-            if many.quantity != key:
-                unit = QUANTITIES[many.quantity].unit
+        elif values := read_values(key, given[key], at, bound):
+            columns[key] = values.array()
+            if values.quantity != key:
+                unit = QUANTITIES[values.quantity].unit
                 divide = functools.partial(_per_area, columns[key], unit, area)
-                columns[key] = at.noting(divide)
+                columns[key] = at.attempt(divide)
     if len(place.problems) > before:
         return None
-    return place.at("t").noting(lambda: Loading.series(**columns))
+    return place.at("t").attempt(lambda: Loading.series(**columns))
 
 
 def _from_file(
@@ -227,14 +227,14 @@ def _from_file(
     wanted = _names("columns", given, str | int, (2, 3), place)
     if "units" in given and wanted:
         units = _names("units", given, str, (len(wanted),), place)
-    table = place.at("file").noting(lambda: _open(given["file"], folder))
+    table = place.at("file").attempt(lambda: _open(given["file"], folder))
     if table is None or wanted is None:
         return None
     columns = []
     for i, (symbol, request) in enumerate(zip(COLUMNS, wanted, strict=False)):
         at = place.at("columns").at(i)
         find = functools.partial(requested_column, table, symbol, request)
-        if (index := at.noting(find, f"columns: {symbol}")) is not None:
+        if (index := at.attempt(find, f"columns: {symbol}")) is not None:
             column = table.columns[index]
             columns.append(column._replace(unit=units[i] if units else plain_unit(column.unit)))
             _check_unit(symbol, columns[-1], place.at("units").at(i) if units else at, area)
@@ -242,13 +242,13 @@ def _from_file(
     bad = [(row, x) for x in columns for row in np.flatnonzero(~np.isfinite(x.values)).tolist()]
     if len(place.problems) == before:
         for row, x in bad[:MOST_CELLS]:
-            where = {"row": table.row_label(row), "column": x.title}
-            at.add("record.no_number", cell=table.cell(row, x), **where)
+            position = {"row": table.row_label(row), "column": x.title}
+            at.add("record.no_number", cell=table.cell(row, x), **position)
         if len(bad) > MOST_CELLS:
             at.add("record.more_no_numbers", n=len(bad) - MOST_CELLS)
     if len(place.problems) > before:
         return None
-    return at.noting(lambda: _series(columns, area))
+    return at.attempt(lambda: _series(columns, area))
 
 
 def _names(

@@ -52,7 +52,7 @@ class Place(NamedTuple):
         """Note that a key of this table is missing, and what to give if not its quantity."""
         self.at(key).add("key.missing", wanted=wanted or QUANTITIES[key].remedy)
 
-    def noting(self, make: Callable[[], T], symbol: str = "") -> T | None:
+    def attempt(self, make: Callable[[], T], symbol: str = "") -> T | None:
         """Return what `make` returns; note a ParameterError, and return None."""
         try:
             return make()
@@ -76,8 +76,8 @@ def report(problems: list[Problem], tables: Iterable[str], text: str) -> str:
     lines = []
     for path, problem in problems[:MOST_LINES]:
         number = numbers.get(path[:2], numbers.get(path[:1], 0))
-        where = f"line {number}, " if number else ""
-        lines.append((order.get(str(path[0]), -1), number, f"{where}{written(path)}: {problem}"))
+        line = f"line {number}, " if number else ""
+        lines.append((order.get(str(path[0]), -1), number, f"{line}{written(path)}: {problem}"))
     omitted = len(problems) - MOST_LINES
     more = [f"and {omitted} problems more"] if omitted > 0 else []
     return "\n".join([*(line for *_, line in sorted(lines, key=lambda x: x[:2])), *more])

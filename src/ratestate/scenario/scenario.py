@@ -19,7 +19,7 @@ from ..model.units import is_array
 from ..sweeps.calls import FUNCTIONS as SWEPT
 
 #: for checks that do not depend on the slider
-ANY = SpringSlider(a=1, b=2, Dc=1, sigma=1, K=1, M=1)
+ANY_SLIDER = SpringSlider(a=1, b=2, Dc=1, sigma=1, K=1, M=1)
 
 
 class Function(NamedTuple):
@@ -36,7 +36,7 @@ class Function(NamedTuple):
 FUNCTIONS = {
     "limit_cycle": Function(
         *(*SWEPT["limit_cycle"], ("V_lp", "V_start", "rtol"), ("cycle", "sweep")),
-        lambda rtol: limit_cycle_call(ANY, 1.0, rtol=rtol),
+        lambda rtol: limit_cycle_call(ANY_SLIDER, 1.0, rtol=rtol),
     ),
     "simulate": Function(
         *(*SWEPT["simulate"], ("V_lp", "t_end", "V_start", "times", "rtol"), ("run", "sweep")),

@@ -71,12 +71,12 @@ def read_value(key: str, value: Any, place: Place, law: FrictionLaw | None = Non
         values = initial(law).read(value, place)
         return values if len(place.problems) == before else None
     if key in ("times", "frequency"):
-        many = read_values(key, value, place)
-        if key == "times" and isinstance(many, float):
-            return np.array([many])
-        if isinstance(many, Many):
-            return many.array() if key == "times" else many.axis(key)
-        return many
+        axis = read_values(key, value, place)
+        if key == "times" and isinstance(axis, float):
+            return np.array([axis])
+        if isinstance(axis, Many):
+            return axis.array() if key == "times" else axis.axis(key)
+        return axis
     if isinstance(value, dict | list) and is_axis(key):
         place.add("key.no_axis", given=value, like=example(key))
         return None
@@ -86,9 +86,9 @@ def read_value(key: str, value: Any, place: Place, law: FrictionLaw | None = Non
             place.add("law_file.unknown", given=value, own=value.partition(HASH_MARK)[0])
             return None
     if names := choices(key):
-        return place.noting(lambda: choice(value, names))
+        return place.attempt(lambda: choice(value, names))
     if key in ENDINGS:
-        return place.noting(lambda: _path(key, value))
+        return place.attempt(lambda: _path(key, value))
     return read_number(key, value, place)
 
 
@@ -113,7 +113,7 @@ class Sweep(NamedTuple):
     """The table [sweep]."""
 
     function: str  # to call: the requested one, or the file's own; "" if unknown
-    own: str  # the file's own function
+    file_function: str  # the file's own function
     values: dict[str, Any]  # floats, DataArrays of axes, times, law; None for one with a problem
     branch: dict[str, Any]  # the keys parameter, start and stop of `continue_cycle`
 
@@ -135,26 +135,26 @@ def sweep_table(
     """
     place = Place(("sweep",), problems)
     if table is None:
-        own = of_run or "simulate"
-        if (function := requested or own) == "continue_cycle":
+        file_function = of_run or "simulate"
+        if (function := requested or file_function) == "continue_cycle":
             place.add("branch.missing", like=BRANCH)
-        return Sweep(function, own, {}, {})
-    own = _function_of(table, requested, of_run, place)
-    function = requested or own
-    known = (*slider_keys(), *(FUNCTIONS[own].keys if own else SETTINGS))
+        return Sweep(function, file_function, {}, {})
+    file_function = _function_of(table, requested, of_run, place)
+    function = requested or file_function
+    known = (*slider_keys(), *(FUNCTIONS[file_function].keys if file_function else SETTINGS))
     given = {}
-    for key, value in known_items("sweep", table, place, own or "any function"):
+    for key, value in known_items("sweep", table, place, file_function or "any function"):
         if key in known:
             given[key] = value
         elif key != "function":
             wanted = one_of(known, key, example(key))
-            place.at(key).add("key.no_parameter", function=own, wanted=wanted)
-    branch = _branch(given, own, place, law) if function == "continue_cycle" else {}
-    values = _read(given, own, place, bool(branch))
-    if own and own != function:
+            place.at(key).add("key.no_parameter", function=file_function, wanted=wanted)
+    branch = _branch(given, file_function, place, law) if function == "continue_cycle" else {}
+    values = _read(given, file_function, place, bool(branch))
+    if file_function and file_function != function:
         taken = {*slider_keys(), *FUNCTIONS[function].keys} - {"rtol", "V_start"}  # they differ
         values = {key: value for key, value in values.items() if key in taken}
-    return Sweep(function, own, values, branch)
+    return Sweep(function, file_function, values, branch)
 
 
 def _function_of(
@@ -165,7 +165,7 @@ def _function_of(
         if not (of_run or requested):
             place.missing("function", one_of(FUNCTIONS))
         return of_run or requested or ""
-    function = place.at("function").noting(lambda: choice(table["function"], FUNCTIONS))
+    function = place.at("function").attempt(lambda: choice(table["function"], FUNCTIONS))
     if function and of_run not in (None, function):
         place.at("function").add("table.two_functions", given=function, own=of_run)
         return ""
@@ -195,23 +195,23 @@ def _read(given: dict[str, Any], function: str, place: Place, is_branch: bool) -
 
 
 def _branch(
-    values: dict[str, Any], own: str, place: Place, law: FrictionLaw | None
+    values: dict[str, Any], file_function: str, place: Place, law: FrictionLaw | None
 ) -> dict[str, Any]:
     """Remove the parameter that a branch follows from the values; return its ends, or None each."""
-    nothing: dict[str, Any] = dict.fromkeys(("parameter", "start", "stop"))
+    no_branch: dict[str, Any] = dict.fromkeys(("parameter", "start", "stop"))
     followed = [key for key, value in values.items() if isinstance(value, dict)]
     if len(followed) != 1:
         names = " and ".join(followed) or "nothing"
         place.add("branch.not_one", names=names, like=BRANCH)
-        return nothing
+        return no_branch
     (key,) = followed
     table = values.pop(key)
     known = (*PARAMETERS, *((*own_keys(), *EXTRAS) if law is None else law.parameters))
     if key not in known:
         place.at(key).add("branch.cannot_follow", wanted=one_of(known, like=BRANCH))
-        return nothing
-    if own == "continue_cycle" and (more := table.keys() - {"from", "to"}):
-        keys = ", ".join(map(shown, sorted(more)))
+        return no_branch
+    if file_function == "continue_cycle" and (extra := table.keys() - {"from", "to"}):
+        keys = ", ".join(map(shown, sorted(extra)))
         place.at(key).add("branch.own_points", keys=keys, like=BRANCH)
     start, stop = read_ends(key, table, place.at(key))
     return {"parameter": key, "start": start, "stop": stop}

@@ -97,7 +97,7 @@ def refuse_unusual(quantity: str, x: float, text: str) -> None:
 
 def read_number(symbol: str, value: Any, place: Place, bound: str | None = None) -> Any:
     """Return a value as `number` does; note a problem and return None."""
-    return place.noting(lambda: number(symbol, value, bound), symbol)
+    return place.attempt(lambda: number(symbol, value, bound), symbol)
 
 
 def read_values(symbol: str, value: Any, place: Place, bound: str | None = None) -> Any:
@@ -114,7 +114,7 @@ def read_values(symbol: str, value: Any, place: Place, bound: str | None = None)
         numbers.append(read_number(symbol, element, place.at(i), bound))
         if numbers[-1] is None:  # one bad element is enough
             return None
-    shared = place.noting(lambda: _of_one_quantity(symbol, numbers))
+    shared = place.attempt(lambda: _of_one_quantity(symbol, numbers))
     return shared and Many(len(numbers), lambda: np.array(shared[0]), shared[1])
 
 
@@ -131,14 +131,14 @@ def _axis(symbol: str, table: dict[str, Any], place: Place, bound: str | None) -
     before = len(place.problems)
     note_unknown_keys(table, ("from", "to", "n", "scale"), AXIS, place)
     scale = table.get("scale", "linear")
-    place.at("scale").noting(lambda: choice(scale, ("linear", "log")))
+    place.at("scale").attempt(lambda: choice(scale, ("linear", "log")))
     ends = read_ends(symbol, table, place, "> 0" if scale == "log" else bound)
     n: Any = table.get("n")
     if isinstance(n, bool) or not isinstance(n, int) or not 2 <= n <= LONGEST:
         place.at("n").add("axis.no_n" if n is None else "axis.bad_n", given=n, most=LONGEST)
     if len(place.problems) > before:
         return None
-    shared = place.noting(lambda: _of_one_quantity(symbol, ends))
+    shared = place.attempt(lambda: _of_one_quantity(symbol, ends))
     if not shared:
         return None
     (first, last), quantity = shared
@@ -172,8 +172,8 @@ class InlineTable(NamedTuple):
     def read(self, table: Any, place: Place) -> dict[str, Any] | None:
         """Return key -> value in SI, None for a problem, noted; None if it is not a table."""
         if not isinstance(table, dict):
-            what = "tables" if self.like.startswith("[") else "a table"
-            place.add("table.none", given=table, wanted=f"Give {what} such as {self.like}.")
+            form = "tables" if self.like.startswith("[") else "a table"
+            place.add("table.none", given=table, wanted=f"Give {form} such as {self.like}.")
             return None
         note_unknown_keys(table, self.keys, self.like, place)
         return {

@@ -48,7 +48,7 @@ IN_CLOSED_FORM = ("stability", "frequency_response")
 RESERVED = ("message", "status", "sweep")
 DEVICES = ("cpu", "cuda")
 # Cases whose starts are checked at a time: some 30 MB.
-AT_A_TIME = 100_000
+MAX_CASES = 100_000
 
 
 def call_of(function, slider, arguments):
@@ -107,7 +107,7 @@ def undisturbed(name, call):
     """What a `RunWarning` says of cases of a checked call that stay on unstable sliding, or ""."""
     if name != "simulate":
         return ""
-    return undisturbed_warning(isel(call, part) for part in chunks_of(call.batch.sizes, AT_A_TIME))
+    return undisturbed_warning(isel(call, part) for part in chunks_of(call.batch.sizes, MAX_CASES))
 
 
 def check_device(name, call, device):
@@ -148,15 +148,15 @@ def _summary(values, sizes, unit=""):
         texts = values.astype(str).ravel().tolist()
         found = ", ".join(texts[:5]) + (", ..." if len(texts) > 5 else "")
         content = json.dumps(texts).encode()
-    along = ", ".join(f"{dim}: {n}" for dim, n in sizes.items()) or f"{values.size} values"
-    return f"<{along}; {found}; SHA-256 {hashlib.sha256(content).hexdigest()[:16]}>"
+    dims_text = ", ".join(f"{dim}: {n}" for dim, n in sizes.items()) or f"{values.size} values"
+    return f"<{dims_text}; {found}; SHA-256 {hashlib.sha256(content).hexdigest()[:16]}>"
 
 
 def _leaves(value, name=""):
     """Yield (name, value) for all fields of a call and of nested dataclasses."""
     if dataclasses.is_dataclass(value):
-        own = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
-        value = getattr(value, "parameters", own)  # of a slider or a loading
+        fields = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+        value = getattr(value, "parameters", fields)  # of a slider or a loading
     if not isinstance(value, dict):
         yield name, value
         return
@@ -173,7 +173,7 @@ def origin(device):
     of target and processor, the features that code may use, and the GPU.
     """
     target, cpu, features = this_processor()
-    used = {f"feature {one[1:]}": "used" for one in features.split(",") if one.startswith("+")}
+    used = {f"feature {text[1:]}": "used" for text in features.split(",") if text[:1] == "+"}
     gpu = {} if device == "cpu" else {"gpu": gpu_name()}
     return {
         "versions": json.loads(versions()),
@@ -181,23 +181,23 @@ def origin(device):
     }
 
 
-def origin_differences(stored, now):
+def origin_differences(stored, current):
     """Return the differences of two origins that may change last digits, as a list of lines.
 
     Another version of ratestate alone does not count: its kernels have a digest of their own.
     """
-    lines = differences(stored["versions"], now["versions"], "version of ")
+    lines = differences(stored["versions"], current["versions"], "version of ")
     if len(lines) == 1 and lines[0].startswith("version of ratestate:"):
         lines = []
-    return lines + differences(stored["processor"], now["processor"], "processor, ")
+    return lines + differences(stored["processor"], current["processor"], "processor, ")
 
 
-def differences(stored, now, label=""):
+def differences(stored, current, label=""):
     """Return the differences between two dicts of texts, as a list of lines."""
-    changed = {name for name in {*stored, *now} if stored.get(name) != now.get(name)}
+    changed = {name for name in {*stored, *current} if stored.get(name) != current.get(name)}
     # (the coordinate of an axis differs whenever the axis does)
     changed -= {f"coordinate {name}" for name in changed}
     return [
-        f"{label}{name}: {stored.get(name, 'none')} in the store, {now.get(name, 'none')} now"
+        f"{label}{name}: {stored.get(name, 'none')} in the store, {current.get(name, 'none')} now"
         for name in sorted(changed)
     ]

@@ -74,10 +74,10 @@ class Chunks:
         """
         index = dict(zip(self.sizes, self.index(i), strict=True))
         blocks = {}
-        for name, own in dims.items():
-            shared = index.keys() & {*own}
+        for name, own_dims in dims.items():
+            shared = index.keys() & {*own_dims}
             if shared and not any(index[dim] for dim in index.keys() - shared):
-                blocks[name] = tuple(index.get(dim, 0) for dim in own)
+                blocks[name] = tuple(index.get(dim, 0) for dim in own_dims)
         return blocks
 
     def __iter__(self):
@@ -137,9 +137,9 @@ def cases_per_chunk(request):
         return min(n, CASES_ON_GPU, fits)
     sample = sample_of(request.call, min(SAMPLE, fits))
     case_seconds = max(request.backend.run(seconds_per_case, sample, specs), 1e-9)
-    full = float(np.clip(LONGEST / case_seconds, LANES, CASES_TO_FILL_LANES))
-    if request.backend.shared and n < 2 * workers * full:
+    full_chunk = float(np.clip(LONGEST / case_seconds, LANES, CASES_TO_FILL_LANES))
+    if request.backend.shared and n < 2 * workers * full_chunk:
         return min(n, fits, math.ceil(LONGEST * workers / case_seconds))
     seconds = float(np.clip(n * case_seconds / (CHUNKS_PER_WORKER * workers), *SECONDS))
     number = workers * math.ceil(n * case_seconds / (seconds * workers))
-    return min(n, fits, math.ceil(max(n / number, full)))
+    return min(n, fits, math.ceil(max(n / number, full_chunk)))

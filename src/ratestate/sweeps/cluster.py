@@ -19,10 +19,10 @@ from .progress import to_stderr
 from .tasks import call_on_worker
 
 # Chunks under way for each thread of the cluster, so that no thread waits for its next one.
-AHEAD = 2
+CHUNKS_PER_THREAD = 2
 # Seconds between two checks for finished tasks; between two checks for workers; until a message
 # says that there are no workers.
-TICK, LOOK, PATIENCE = 0.05, 1.0, 3.0
+TICK, COUNT_INTERVAL, PATIENCE = 0.05, 1.0, 3.0
 
 
 class Cluster:
@@ -35,7 +35,7 @@ class Cluster:
 
     def __init__(self, client, device, jobs=None):
         self.client, self.device, self.jobs = client, device, jobs
-        self.threads, self.last_worker, self.last_look = 0, time.monotonic(), -LOOK
+        self.threads, self.last_worker, self.last_count = 0, time.monotonic(), -COUNT_INTERVAL
 
     @property
     def thread_count(self):
@@ -57,7 +57,7 @@ class Cluster:
 
         StoreError unless workers have the expected origin.  SolverError if the cluster is lost.
         """
-        calls = ((tasks.do, i, isel(call, tasks.chunks.slices(i))) for i in numbers)
+        calls = ((tasks.solve, i, isel(call, tasks.chunks.slices(i))) for i in numbers)
         yield from self._results(calls, expected, report.refresh)
 
     def _results(self, calls, expected, refresh=lambda: None):
@@ -68,7 +68,7 @@ class Cluster:
         under_way: dict = {}  # future of a call -> future of its answer here
         try:
             while True:
-                free = AHEAD * max(1, self._look()) - len(under_way)
+                free = CHUNKS_PER_THREAD * max(1, self._count_threads()) - len(under_way)
                 for call in itertools.islice(calls, max(0, free)):
                     future, answer = self._submit(expected, call)
                     under_way[future] = answer
@@ -101,17 +101,17 @@ class Cluster:
         loop = self.client.loop.asyncio_loop
         return future, asyncio.run_coroutine_threadsafe(fetched, loop)
 
-    def _look(self):
+    def _count_threads(self):
         """Return the number of threads of the cluster, as of the last second.
 
         ConnectionError if the scheduler is gone; SolverError if no job is left.
         """
         now = time.monotonic()
-        if now - self.last_look < LOOK:
+        if now - self.last_count < COUNT_INTERVAL:
             return self.threads
         if self.client.status != "running":
             raise ConnectionError("its scheduler is gone")
-        self.last_look, self.threads = now, sum(self.client.nthreads().values())
+        self.last_count, self.threads = now, sum(self.client.nthreads().values())
         if self.threads:
             self.last_worker = now
         elif now - self.last_worker > PATIENCE:
@@ -147,8 +147,8 @@ def _result_of(answer):
     except KilledWorker as error:
         raise SolverError(sentence("cluster.workers_die")) from error
     except Exception as error:
-        what = f"{type(error).__name__}: {error}"
-        raise SolverError(sentence("cluster.worker", error=what)) from error
+        error_text = f"{type(error).__name__}: {error}"
+        raise SolverError(sentence("cluster.worker", error=error_text)) from error
 
 
 def import_extra(module):

@@ -40,7 +40,7 @@ class ProgressReport(Bar):
     def refresh(self):
         """Update the bar, or write a line to the log when one is due."""
         now = time.monotonic()
-        if self.quiet or not self.due:
+        if self.quiet or not self.is_due:
             return
         parts = [fraction * self.chunks.cases(i) for i, fraction in list(self.fractions.items())]
         done = self.done + sum(parts)

@@ -74,8 +74,8 @@ def job_cluster(text):
 
     options = {key: value for key, value in _options(text).items() if key not in OF_JOBS}
     # Another sweep may have the usual port.
-    own = dask.config.get("jobqueue.slurm.scheduler-options")
-    options |= {"scheduler_options": {"dashboard_address": ":0"} | own, "job_cls": Job}
+    scheduler = dask.config.get("jobqueue.slurm.scheduler-options")
+    options |= {"scheduler_options": {"dashboard_address": ":0"} | scheduler, "job_cls": Job}
     try:
         return SLURMCluster(**options)
     except (ValueError, OSError, RuntimeError) as error:
@@ -162,17 +162,17 @@ class Jobs:
 
     def _replace(self, lost):
         """Submit others for lost jobs, Dask's name -> why; SolverError if no job is left."""
-        more = min(len(lost), self.replacements_left) if self.had_worker else 0
-        self.replacements_left -= more
+        added = min(len(lost), self.replacements_left) if self.had_worker else 0
+        self.replacements_left -= added
         self.cluster.sync(self.cluster.scale_down, list(lost))
-        what = {"lost": ", ".join(lost.values()), "more": more, "left": self.replacements_left}
-        to_stderr("ratestate: " + sentence("slurm.lost", **what))
-        remaining = len(self.cluster.worker_spec) + more
+        values = {"lost": ", ".join(lost.values()), "more": added, "left": self.replacements_left}
+        to_stderr("ratestate: " + sentence("slurm.lost", **values))
+        remaining = len(self.cluster.worker_spec) + added
         if not remaining:
             name = "used_up" if self.had_worker else "fruitless"
-            what = {"lost": [*lost.values()][-1], "replacements": self.replacements}
-            what["address"] = self.cluster.scheduler_address
-            raise SolverError(sentence(f"slurm.{name}", **what))
+            values = {"lost": [*lost.values()][-1], "replacements": self.replacements}
+            values["address"] = self.cluster.scheduler_address
+            raise SolverError(sentence(f"slurm.{name}", **values))
         self.cluster.scale(jobs=remaining)
 
 

@@ -22,7 +22,7 @@ class VariableSpec(NamedTuple):
     dims: tuple
     dtype: np.dtype
     attrs: dict
-    own: dict  # sizes of the dimensions that are not the sweep's
+    sizes: dict  # sizes of the dimensions that are not the sweep's
 
     @property
     def missing(self) -> Any:
@@ -35,7 +35,7 @@ class VariableSpec(NamedTuple):
 
     def empty(self, sizes):
         """Return a Variable without answers; sizes: dimension of the sweep -> number of values."""
-        shape = [{**sizes, **self.own}[dim] for dim in self.dims]
+        shape = [{**sizes, **self.sizes}[dim] for dim in self.dims]
         return xarray.Variable(self.dims, np.full(shape, self.missing, self.dtype), self.attrs)
 
 
@@ -57,9 +57,9 @@ def form_of(call):
     first = isel(call, {dim: slice(0, 1) for dim in dims})
     specs, static = {}, {}
     for name, v in with_messages(first.blank(), first.batch).items():
-        own = {dim: n for dim, n in v.sizes.items() if dim not in dims}
-        specs[name] = VariableSpec(v.dims, v.dtype, v.attrs, own)
-        if len(own) == v.ndim:
+        sizes = {dim: n for dim, n in v.sizes.items() if dim not in dims}
+        specs[name] = VariableSpec(v.dims, v.dtype, v.attrs, sizes)
+        if len(sizes) == v.ndim:
             static[name] = v
     return Form(specs, static)
 
@@ -110,16 +110,17 @@ def crashed_variables(call, specs, message):
 
 def concatenate(parts, dim):
     """Return the variables of a list of two parts of a sweep, adjacent along dim."""
-    whole = {}
-    for name, one in parts[0].items():
+    joined = {}
+    for name, variable in parts[0].items():
         other = parts[1][name]
-        if dim in one.dims:
-            whole[name] = xarray.Variable.concat([one, other], dim)
-        elif one.dtype.kind in "fc":  # common to both: from the part that has an answer
-            whole[name] = one.copy(data=np.where(np.isnan(one.values), other.values, one.values))
+        if dim in variable.dims:
+            joined[name] = xarray.Variable.concat([variable, other], dim)
+        elif variable.dtype.kind in "fc":  # common to both: from the part that has an answer
+            values = variable.values
+            joined[name] = variable.copy(data=np.where(np.isnan(values), other.values, values))
         else:
-            whole[name] = one
-    return whole
+            joined[name] = variable
+    return joined
 
 
 def halves(sizes):
@@ -136,4 +137,4 @@ def count_failed(variables):
 
 def bytes_per_case(specs):
     """Return the bytes of memory that the result of a case takes; 8 for each text."""
-    return sum(spec.dtype.itemsize * math.prod(spec.own.values()) for spec in specs.values())
+    return sum(spec.dtype.itemsize * math.prod(spec.sizes.values()) for spec in specs.values())

@@ -67,13 +67,13 @@ def failures(data, most=20):
     or to index if labels are missing.
     """
     status = data["status"].values
-    where = np.argwhere((status >= 0) & ~np.isin(status, ANSWERED))
+    cells = np.argwhere((status >= 0) & ~np.isin(status, ANSWERED))
     first = []
-    for index in where[:most]:
+    for index in cells[:most]:
         labels = {
             dim: data[dim].values[i] if dim in data.coords else int(i)
             for dim, i in zip(data["status"].dims, index, strict=True)
         }
         at = tuple(index)
         first.append((labels, STATUSES[int(status[at])][0], str(data["message"].values[at])))
-    return first, len(where)
+    return first, len(cells)

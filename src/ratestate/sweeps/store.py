@@ -109,7 +109,7 @@ class Store:
         names = self.record.get("variables", self.arrays).keys() - coordinates
         dims = {name: self.arrays[name].metadata.dimension_names for name in names}
         sizes = self.record["sizes"].keys()
-        return {name: own for name, own in dims.items() if sizes & {*(own or ())}}
+        return {name: own_dims for name, own_dims in dims.items() if sizes & {*(own_dims or ())}}
 
     def done(self):
         """Return which chunks are done: (chunks,) bool."""
@@ -161,7 +161,7 @@ def refuse_zarr_2(path):
     with contextlib.suppress(OSError, ValueError):  # it is not there, or damaged
         text = (path / METADATA).read_text()
         json.loads(text, object_hook=lambda node: formats.append(node.get("zarr_format", 3)))
-    if any(one != 3 for one in formats):
+    if any(number != 3 for number in formats):
         raise StoreError(sentence("store.zarr_2", path=path))
 
 
@@ -216,8 +216,8 @@ def open_result(path):
     """
     with reading(path):
         store = Store.open(path)
-        old = "arguments" not in store.record  # its chunks were done later than their status
-        if missing := [] if old else store.flaws(contents=False):
+        is_old = "arguments" not in store.record  # its chunks were done later than their status
+        if missing := [] if is_old else store.flaws(contents=False):
             raise StoreError(damage_message(path, missing))
         data = xarray.open_zarr(path, chunks=None, decode_cf=False, zarr_format=3)
         if not store.done().all():

@@ -136,8 +136,8 @@ def sweep(
     if slurm is not None:
         context: Any = slurm_cluster(slurm, device)
     else:
-        own = Threads(device) if client is None else Cluster(client, device)
-        context = contextlib.nullcontext(own)
+        workers = Threads(device) if client is None else Cluster(client, device)
+        context = contextlib.nullcontext(workers)
     with context as backend, engine.use(device=device):
         request = Request(name, call, chunk, device, backend, progress)
         if store is None:
@@ -198,8 +198,8 @@ class Request:
 
         failed : number of failed cases among those done
         """
-        lean = store and dataclasses.replace(store)  # without the arrays that it has opened
-        tasks = Tasks(chunks, self.form.specs, lean, self.device)
+        closed_store = store and dataclasses.replace(store)  # without the arrays that it has opened
+        tasks = Tasks(chunks, self.form.specs, closed_store, self.device)
         numbers = np.flatnonzero(~done).tolist()
         label = f"sweep of {self.name}"
         with ProgressReport(label, chunks, done, failed, quiet=not self.progress) as report:
@@ -256,10 +256,10 @@ def _prepare(store, request):
     StoreError if what computes would give other last digits or variables than the store has, or if
     files made with the store are damaged.
     """
-    now = request.record(store.chunks)
+    current = request.record(store.chunks)
     with reading(store.path):
-        lines = origin_differences(store.record, now)
-        lines += differences(store.record["variables"], now["variables"], "variable ")
+        lines = origin_differences(store.record, current)
+        lines += differences(store.record["variables"], current["variables"], "variable ")
         if lines:
             raise StoreError(sentence("origin.refused", path=store.path, lines=as_lines(lines)))
         done, flaws = store.done(), store.flaws()

@@ -33,7 +33,7 @@ class Tasks(NamedTuple):
     store: Any  # `Store`, or None
     device: str
 
-    def do(self, i, part, progress=None, threads=1, stop=None):
+    def solve(self, i, part, progress=None, threads=1, stop=None):
         """Solve chunk i, with the cases of the call `part`; return its `Outcome`.
 
         If there is a store, its variables go there; StoreError if they cannot be written.
@@ -78,7 +78,7 @@ class Threads:
 
         def work(i):
             part = isel(call, tasks.chunks.slices(i))
-            return tasks.do(i, part, lambda fraction: report.part(i, fraction), threads, stop)
+            return tasks.solve(i, part, lambda fraction: report.part(i, fraction), threads, stop)
 
         pool = ThreadPoolExecutor(workers)
         try:
@@ -99,8 +99,8 @@ def call_on_worker(expected, device, function, *arguments):
 
     StoreError unless the process has the expected origin.  If that lacks a processor, any will do.
     """
-    now = origin(device)
-    if lines := origin_differences({"processor": now["processor"]} | expected, now):
+    current = origin(device)
+    if lines := origin_differences({"processor": current["processor"]} | expected, current):
         raise StoreError(sentence("origin.worker", lines=as_lines(lines)))
     with backend.use(threads=1, device=device):
         return function(*arguments)

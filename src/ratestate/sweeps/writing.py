@@ -86,9 +86,9 @@ def create(path, request, chunks):
 
 
 def _clear(folder):
-    for one in folder.iterdir():
-        if one.is_dir():
-            shutil.rmtree(one)
+    for path in folder.iterdir():
+        if path.is_dir():
+            shutil.rmtree(path)
 
 
 def _contents(request, chunks):
@@ -112,15 +112,15 @@ def _add_result(memory, request, chunks):
         if variable.dtype.kind == "f":
             encoding[name] |= {"fill_value": NO_RESULT, "_FillValue": None}
     # (without empty chunks a missing file could not be told from one of zeros)
-    how = {"mode": "a", "consolidated": False, "zarr_format": 3, "write_empty_chunks": True}
-    result.to_zarr(memory, encoding=encoding, **how)
+    options = {"mode": "a", "consolidated": False, "zarr_format": 3, "write_empty_chunks": True}
+    result.to_zarr(memory, encoding=encoding, **options)
     sizes, shape = chunks.sizes, dict(zip(chunks.sizes, chunks.shape, strict=True))
     for name, spec in form.swept.items():
         attrs = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in spec.attrs.items()}
         group.create_array(
             name,
-            shape=tuple({**sizes, **spec.own}[dim] for dim in spec.dims),
-            chunks=tuple({**shape, **spec.own}[dim] for dim in spec.dims),
+            shape=tuple({**sizes, **spec.sizes}[dim] for dim in spec.dims),
+            chunks=tuple({**shape, **spec.sizes}[dim] for dim in spec.dims),
             dtype=str if spec.dtype == object else spec.dtype,
             fill_value=FILL_VALUES.get(spec.dtype.kind, spec.missing),
             dimension_names=spec.dims,
@@ -160,7 +160,7 @@ def write(store, i, variables):
 
 def _sync(top, files):
     """Have the system write files, and their folders up to `top`, to the disk."""
-    folders = {one for file in files for one in file.parents if one.is_relative_to(top)}
+    folders = {folder for file in files for folder in file.parents if folder.is_relative_to(top)}
     for file in {*files, *folders}:
         handle = os.open(file, os.O_RDONLY)
         try:

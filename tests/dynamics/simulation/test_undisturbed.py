@@ -74,7 +74,7 @@ def swept(slider, store, **arguments):
 
 @pytest.mark.parametrize("way", ["simulate", "sweep", "store"])
 def test_a_sweep_says_once_how_many(way, tmp_path, monkeypatch):
-    monkeypatch.setattr(calls, "AT_A_TIME", 2)
+    monkeypatch.setattr(calls, "MAX_CASES", 2)
     slider = SLIDER.replace(K=xr.DataArray([9e8, 5.5e8, 4e8], dims="K"))
     loading = rs.Loading.constant(xr.DataArray([V, 2 * V], dims="V_lp"))
     starts = xr.DataArray([V, V], dims="V_lp")

@@ -24,7 +24,7 @@ from .bifurcations import (
 MAX_ROTATION = 0.2  # rad between the tangents of neighbouring points: some 15 points to a fold
 MAX_CHANGE = 0.2  # of test functions of multipliers, which lie between -1 and 1
 MAX_DEVIATION = 0.5  # from the prediction, in steps; farther away lies another branch
-FAST = 4  # Newton iterations up to which a step may still grow
+FAST_ITERATIONS = 4  # Newton iterations up to which a step may still grow
 # Lengths of steps, in units of scale + |u| and of p; with the largest a branch looks smooth.
 FIRST_STEP, SMALLEST_STEP, LARGEST_STEP = 0.02, 1e-6, 0.06
 
@@ -152,7 +152,7 @@ class _Course(NamedTuple):
         strain = max(rotation / MAX_ROTATION, change(a, b) / MAX_CHANGE)
         if strain > 1 and step > SMALLEST_STEP:
             raise StepFailed(NO_CONVERGENCE)
-        growth = min(2.0 if b.iterations <= FAST else 0.7, 0.7 / max(strain, 0.1))
+        growth = min(2.0 if b.iterations <= FAST_ITERATIONS else 0.7, 0.7 / max(strain, 0.1))
         return b, float(np.clip(growth * step, SMALLEST_STEP, LARGEST_STEP))
 
     def _points_between(self, a, b):
@@ -164,8 +164,8 @@ class _Course(NamedTuple):
             reached = []
             for name, end in self.ends.items():
                 if end.distance(point) <= 0 < end.distance(last):
-                    where = locate(self.problem, last, point, end.distance, weights)
-                    reached.append((where, name))
+                    found = locate(self.problem, last, point, end.distance, weights)
+                    reached.append((found, name))
                 elif point is b and end.distance(b) <= min(0, end.distance(last)):
                     raise StepFailed(name)  # the branch began beyond this end
             if reached:

@@ -25,7 +25,7 @@ MAX_ITERATIONS, MAX_SECANTS = 10, 100
 # orbits graze a stop, is not one.
 JUMP = 0.01
 # Part of the step over which p is varied, if the map bends over the whole step.
-SHORTER = 1 / 16
+SHORTER_PART = 1 / 16
 
 
 class BranchPoint(NamedTuple):
@@ -119,21 +119,21 @@ def _linearised_map(problem, y, weights):
     """
     n = len(y) - 1
     step = np.sqrt(problem.noise)
-    p = y[-1] + step * np.array([0.0, 1.0, -1.0, SHORTER, -SHORTER])
+    p = y[-1] + step * np.array([0.0, 1.0, -1.0, SHORTER_PART, -SHORTER_PART])
     orbit = problem.evaluate(np.tile(y[:-1], (len(p), 1)), p)
     defined = orbit.ok & np.isfinite(orbit.image).all(axis=1)
     if not (defined[0] and defined[1:3].any() and np.isfinite(orbit.jacobian[0]).all()):
         raise StepFailed(NO_RETURN)
-    above, below = (1 if defined[1] else 0), (2 if defined[2] else 0)
-    change, one_sided = orbit.image[above] - orbit.image[below], orbit.image[0] - orbit.image[below]
+    upper, lower = (1 if defined[1] else 0), (2 if defined[2] else 0)
+    change, one_sided = orbit.image[upper] - orbit.image[lower], orbit.image[0] - orbit.image[lower]
     unequal = np.abs(change - 2 * one_sided) > 0.9 * np.abs(change) + JUMP * weights[:-1]
     if defined[1:3].all() and unequal.any():
         raise StepFailed(NO_CONVERGENCE)  # a jump, which looks like a steep slope
-    dP_dp = change / (p[above] - p[below])
+    dP_dp = change / (p[upper] - p[lower])
     if defined.all():
-        nearby = (orbit.image[3] - orbit.image[4]) / (p[3] - p[4])
-        noise = problem.noise * weights[:-1] / (SHORTER * step)
-        dP_dp = np.where(np.abs(nearby - dP_dp) > noise, nearby, dP_dp)
+        slope_at_ends = (orbit.image[3] - orbit.image[4]) / (p[3] - p[4])
+        noise = problem.noise * weights[:-1] / (SHORTER_PART * step)
+        dP_dp = np.where(np.abs(slope_at_ends - dP_dp) > noise, slope_at_ends, dP_dp)
     return orbit, np.column_stack([orbit.jacobian[0] - np.eye(n), dP_dp]) * weights
 
 

@@ -136,28 +136,28 @@ def _dataset(family, branch, hopf, ends):
         points = [points[0]._replace(special="start"), *points[1:]]
     special = [point.special for point in points]
     measures = family.measures(points, ends)
-    along = measures.pop("parameter")
+    p_values = measures.pop("parameter")
     hopf_points = [] if hopf is None else [(0, hopf)]
     if branch.end == "hopf":
         hopf_points.append((len(points), _hopf_near(family, points[-1].p)))
     for index, p in reversed(hopf_points):
         special.insert(index, "hopf")
-        along = np.insert(along, index, np.exp(p))
+        p_values = np.insert(p_values, index, np.exp(p))
         vanishing = _hopf_measures(family, p)
         for name, value in measures.items():
             measures[name] = np.insert(value, index, vanishing.get(name, 0.0), axis=0)
     values = family.values | {
-        family.parameter: xarray.DataArray(along, dims="point", attrs=attrs(family.parameter))
+        family.parameter: xarray.DataArray(p_values, dims="point", attrs=attrs(family.parameter))
     }
     batch = Batch(values, reserved=VARIABLES)
-    status = np.full(len(along), FINISHED)
+    status = np.full(len(p_values), FINISHED)
     stable = np.abs(measures["multipliers"][:, 0]) < 1.0
     variables = cycle_variables(composed_law(family.law), batch, status, measures, stable)
     variables["special"] = batch.variable(np.array(special, dtype=str), "special")
     result = xarray.Dataset(variables, batch.coordinates([*VARIABLES, "special"]))
     at_hopf = result.special == "hopf"
-    there = family.sliders(along[at_hopf])
-    result["inertia"][at_hopf] = 0.5 * there.eta * there.critical.omega**2 / there.critical.kappa
+    system = family.sliders(p_values[at_hopf])
+    result["inertia"][at_hopf] = 0.5 * system.eta * system.critical.omega**2 / system.critical.kappa
     return result
 
 
@@ -189,8 +189,8 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
     for symbol, value in {**values, **ends}.items():
         if symbol in (*PARAMETERS, "start", "stop") and symbol != "b" and not 0 < value < np.inf:
             unit = QUANTITIES[symbol if symbol in QUANTITIES else parameter].unit
-            needed = symbol in ("K", "M") or parameter in ("K", "M")
-            reason = sentence(f"branch_range.{'needed' if needed else 'followed'}")
+            is_parameter = symbol in ("K", "M") or parameter in ("K", "M")
+            reason = sentence(f"branch_range.{'needed' if is_parameter else 'followed'}")
             raise refusal("branch.range", symbol=symbol, value=value, unit=unit, reason=reason)
     if ends["start"] == ends["stop"]:
         raise refusal("branch.no_length", start=ends["start"])

@@ -74,17 +74,17 @@ def folds(law, beta, eta):
     """
     beta, eta = np.broadcast_arrays(np.asarray(beta, float), np.asarray(eta, float))
     curvatures = law_curvatures(law)
-    which = np.flatnonzero(eta >= LEAST_ETA)
+    rows = np.flatnonzero(eta >= LEAST_ETA)
     top = np.full((len(SizedCycles._fields), len(eta)), np.nan)
-    b1 = beta[which] - 1.0
-    linear = linearisation(friction_law(law), (beta[which],))
-    slope, _ = growth_slopes(linear, b1 * (1.0 + eta[which]), eta[which], np.sqrt(b1))
-    curvature = -lyapunov_1(eta[which], b1, *curvatures)[0] / slope
-    brackets = _bracket_maximum(law, beta[which], eta[which], curvature)
+    b1 = beta[rows] - 1.0
+    linear = linearisation(friction_law(law), (beta[rows],))
+    slope, _ = growth_slopes(linear, b1 * (1.0 + eta[rows]), eta[rows], np.sqrt(b1))
+    curvature = -lyapunov_1(eta[rows], b1, *curvatures)[0] / slope
+    brackets = _bracket_maximum(law, beta[rows], eta[rows], curvature)
     folding = np.isfinite(brackets[0].psi)
-    which = which[folding]
+    rows = rows[folding]
     left, right = (SizedCycles(*np.array(side)[:, folding]) for side in brackets)
-    top[:, which] = _maximum(law, beta[which], eta[which], left, right)
+    top[:, rows] = _maximum(law, beta[rows], eta[rows], left, right)
     psi, G, excess = np.where(top[2] > LEAST_EXCESS, top[:3], np.nan)
     kappa = (beta - 1.0) * (1.0 + eta) * (1.0 + excess)
     return Folds(kappa, np.stack([psi, G], axis=1))
@@ -98,13 +98,13 @@ def _bracket_maximum(law, beta, eta, curvature):
     psi, excess = SMALLEST * np.sqrt(beta - 1.0) / beta, curvature * SMALLEST**2
     G = beta * psi
     cycles = _closed(law, beta, eta, SizedCycles(psi, G, excess, G, 2.0 * excess), ROUGH)
-    nothing = SizedCycles(*np.full((len(cycles), len(eta)), np.nan))
-    left, right = nothing, nothing
+    missing = SizedCycles(*np.full((len(cycles), len(eta)), np.nan))
+    left, right = missing, missing
     for _ in range(MAX_SIZES):
-        going = cycles.excess > FLOOR
-        if not going.any():
+        has_excess = cycles.excess > FLOOR
+        if not has_excess.any():
             break
-        guess = cycles.of_size(RATIO * cycles.psi).where(going, nothing)
+        guess = cycles.of_size(RATIO * cycles.psi).where(has_excess, missing)
         previous, cycles = cycles, _closed(law, beta, eta, guess, ROUGH)
         between = (previous.excess_slope > 0.0) & (cycles.excess_slope <= 0.0)
         left, right = previous.where(between, left), cycles.where(between, right)
@@ -165,8 +165,8 @@ def _linearised(law, beta, eta, psi, G, excess):
     h = np.sqrt(tol)
 
     kappa = (beta - 1.0) * (1.0 + eta) * (1.0 + np.stack([excess, excess + h]))
-    twice = [np.tile(values, 2) for values in (beta, eta, np.full(n, np.inf))]
-    system = one_length_system(law, kappa.ravel(), *twice)
+    columns = [np.tile(values, 2) for values in (beta, eta, np.full(n, np.inf))]
+    system = one_length_system(law, kappa.ravel(), *columns)
     u = np.tile(np.stack([psi, G], axis=1), (2, 1))
     returns = return_map(system, state(system, u), np.tile(tol, 2))
     gap = returns.image - u

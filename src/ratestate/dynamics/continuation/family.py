@@ -54,7 +54,7 @@ SCALE_PSI, SCALE_G = 0.02, 1e-3
 # Divided by rtol: the tolerance of a return, and its error in units of SCALE.
 TOLERANCE, NOISE = 0.002, 0.1
 # Systems that a family keeps: a step along a branch needs each of a few several times.
-KEPT = 8
+CACHED_SYSTEMS = 8
 # Corrections of one point, each with finer returns or nearer to the branch than the last.
 MAX_CORRECTIONS = 12
 # Of the error estimate.
@@ -97,7 +97,7 @@ class CycleFamily:
         if key not in self.systems:
             with np.errstate(over="ignore"):
                 self.systems[key] = self.sliders(np.exp(p))
-            if len(self.systems) > KEPT:
+            if len(self.systems) > CACHED_SYSTEMS:
                 del self.systems[next(iter(self.systems))]
         return self.systems[key]
 
@@ -148,7 +148,7 @@ class CycleFamily:
         jacobian[:, :, -1] *= np.where(_is_slaved(system, U), 0.0, 1.0 / scale)[:, None]
         image = np.column_stack([returns.image[:, :-1], scale * returns.image[:, -1]])
         measures = {"period": returns.numbers["period"], "tol": tol}
-        return MapValues(image, jacobian, usable & returns.came_back, measures)
+        return MapValues(image, jacobian, usable & returns.has_returned, measures)
 
     def branch(self, U, p, *, stop, **options):
         """Return the `Branch` from U (k,) at p to stop; options as of `follow_branch`."""
@@ -195,7 +195,7 @@ class _Points(NamedTuple):
     u: np.ndarray  # (n, k) psi and G at the stress maximum
     parameter: np.ndarray  # (n,) [SI]
     tol: np.ndarray  # (n,) tolerance of the returns
-    last: np.ndarray  # (n,) tolerance of the previous returns
+    last_tol: np.ndarray  # (n,) tolerance of the previous returns
     period: np.ndarray  # (n,)
     #: (n, 4) of `measure.Orbits.measures` at this parameter; inf before the first correction
     errors: np.ndarray
@@ -214,7 +214,7 @@ class _Correction(NamedTuple):
     """One step of Newton's method at n points, and the errors that it leaves."""
 
     step: np.ndarray  # (n, k + 1) of psi, G and p, onto the branch; not finite if there is none
-    moved: np.ndarray  # (n, 4) changes of the measures, at constant p, by the step
+    changes: np.ndarray  # (n, 4) changes of the measures, at constant p, by the step
     error: np.ndarray  # (n, 4) the same by the errors of a return
     along: np.ndarray  # (n, 4) the same by a unit of length along the branch
     tol: np.ndarray  # (n,) tolerance that the returns kept
@@ -230,35 +230,36 @@ def _polished(family, points, exact):
     so far.
     """
     special = np.array([point.special for point in points], dtype=str)
-    now, shape = _as_followed(family, points, special, exact)
+    polished, shape = _as_followed(family, points, special, exact)
     # A fold is where the branch turns back; its position along the branch has this error.
     located = np.where(special == "fold", [point.error for point in points], 0.0)
-    rows, moved = np.arange(len(points)), np.full(len(points), np.inf)
+    rows, last_change = np.arange(len(points)), np.full(len(points), np.inf)
     for number in range(MAX_CORRECTIONS):
-        correction = _correction(family, select(now, rows), select(shape, rows))
-        near = np.abs(correction.step / shape.weights[rows]).max(axis=1) < FARTHEST
-        near &= np.isfinite(correction.moved + correction.error).all(axis=1)
-        rows, correction = rows[near], select(correction, near)
-        now.u[rows] += correction.step[:, :-1]
-        now.parameter[rows] *= 1.0 + correction.step[:, -1]
-        now.period[rows] = correction.period
-        finer = correction.tol / np.maximum(now.last[rows], correction.tol)
-        errors = SAFETY * (finer[:, None] * correction.moved + correction.error)
-        now.errors[rows] = errors + located[rows, None] * correction.along
+        correction = _correction(family, select(polished, rows), select(shape, rows))
+        is_near = np.abs(correction.step / shape.weights[rows]).max(axis=1) < FARTHEST
+        is_near &= np.isfinite(correction.changes + correction.error).all(axis=1)
+        rows, correction = rows[is_near], select(correction, is_near)
+        polished.u[rows] += correction.step[:, :-1]
+        polished.parameter[rows] *= 1.0 + correction.step[:, -1]
+        polished.period[rows] = correction.period
+        finer = correction.tol / np.maximum(polished.last_tol[rows], correction.tol)
+        errors = SAFETY * (finer[:, None] * correction.changes + correction.error)
+        polished.errors[rows] = errors + located[rows, None] * correction.along
         # Correct again with finer returns; at the finest, as long as steps become shorter.  The
         # first step is longer than errors of returns: the branch was followed less closely.
-        floor = tightest(family.sliders(now.parameter[rows]), now.u[rows])
-        error, by_step = now.errors[rows, :2].max(axis=1), correction.moved[:, :2].max(axis=1)
-        converging = by_step < 0.5 * moved[rows]
-        again = (error > family.rtol) | (number == 0)
-        again &= (now.tol[rows] > floor) | converging
-        moved[rows], now.last[rows] = by_step, now.tol[rows]
-        rows, floor, error = rows[again], floor[again], error[again]
+        floor = tightest(family.sliders(polished.parameter[rows]), polished.u[rows])
+        error = polished.errors[rows, :2].max(axis=1)
+        by_step = correction.changes[:, :2].max(axis=1)
+        converging = by_step < 0.5 * last_change[rows]
+        unfinished = (error > family.rtol) | (number == 0)
+        unfinished &= (polished.tol[rows] > floor) | converging
+        last_change[rows], polished.last_tol[rows] = by_step, polished.tol[rows]
+        rows, floor, error = rows[unfinished], floor[unfinished], error[unfinished]
         if not len(rows):
             break
-        finer = np.clip(family.rtol / error, 0.01, 0.3) * now.tol[rows]
-        now.tol[rows] = np.maximum(finer, floor)
-    return now
+        finer = np.clip(family.rtol / error, 0.01, 0.3) * polished.tol[rows]
+        polished.tol[rows] = np.maximum(finer, floor)
+    return polished
 
 
 def _as_followed(family, points, special, exact):
@@ -266,9 +267,9 @@ def _as_followed(family, points, special, exact):
     p = np.array([point.p for point in points])
     k = len(family.smallest)
     U = np.array([point.u for point in points]).reshape(-1, k)
-    scale, one = family.smallest + np.abs(U), np.ones(len(p))
+    scale, ones = family.smallest + np.abs(U), np.ones(len(p))
     direction = np.array([point.tangent for point in points]).reshape(-1, k + 1)
-    direction = direction / np.column_stack([scale, one])
+    direction = direction / np.column_stack([scale, ones])
     curvature = np.zeros(len(p))
     if len(p) > 1:  # over both neighbours, of which one may be all but the same point
         position = np.column_stack([U / scale, p])
@@ -279,7 +280,7 @@ def _as_followed(family, points, special, exact):
     last = family.tolerance(u, p)
     scale[:, -1] /= _scale(family.system(p))
     fixed_p = np.isin(special, list(exact))
-    shape = _Shape(np.column_stack([scale, one]), direction, curvature, fixed_p)
+    shape = _Shape(np.column_stack([scale, ones]), direction, curvature, fixed_p)
     for name, value in exact.items():
         parameter[special == name] = value
     tol = np.maximum(FINER * last, tightest(family.sliders(parameter), u))
@@ -287,16 +288,16 @@ def _as_followed(family, points, special, exact):
     return _Points(u, parameter, tol, last, period, np.full((len(p), 4), np.inf)), shape
 
 
-def _correction(family, now, shape):
+def _correction(family, points, shape):
     """Return the `_Correction` of `_Points` of this shape, from the linearised branch."""
-    system = family.sliders(now.parameter)
-    orbits = orbits_of_one_period(system, single_returns(now.u, now.tol, now.period), now.tol)
-    coarse, finer = coarser_orbits(orbits, now.last)
+    u, tol, system = points.u, points.tol, family.sliders(points.parameter)
+    orbits = orbits_of_one_period(system, single_returns(u, tol, points.period), tol)
+    coarse, finer = coarser_orbits(orbits, points.last_tol)
     by_steps, finer = difference(coarse, orbits), finer[:, None]
-    by_p = parameter_derivatives(orbits, lambda by: family.sliders(now.parameter * by))
+    by_p = parameter_derivatives(orbits, lambda factor: family.sliders(points.parameter * factor))
     by_K = by_p if family.parameter == "K" else stiffness_derivatives(orbits)
-    returns, reached = orbits.returns, effective_tolerance(orbits.returns, now.tol)
-    k = now.u.shape[1]
+    returns, reached = orbits.returns, effective_tolerance(orbits.returns, tol)
+    k = u.shape[1]
     gap = np.concatenate([returns.jacobian - np.eye(k), by_p.image[:, :, None]], axis=2)
     normal = np.where(shape.fixed_p[:, None], np.eye(k + 1)[-1], shape.direction) / shape.weights
     matrix = np.concatenate([gap, normal[:, None, :]], axis=1)
@@ -311,21 +312,21 @@ def _correction(family, now, shape):
         across = change_along(gradients, vector) + change
         shift = np.abs(vector[:, -1])
         steep = slope + np.sqrt(slope**2 + 2.0 * shape.curvature * shift)
-        back = np.where(shift > 0.0, np.minimum(2.0 * shift / steep, 1.0), 0.0)
-        return np.abs(across) + back[:, None] * along
+        distance = np.where(shift > 0.0, np.minimum(2.0 * shift / steep, 1.0), 0.0)
+        return np.abs(across) + distance[:, None] * along
 
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         tangent = _null_vectors(gap * shape.weights[:, None, :])
         slope = np.abs(tangent[:, -1])
         along = np.abs(change_along(gradients, tangent * shape.weights))
-        step = closing(now.u - returns.image)
+        step = closing(u - returns.image)
         # As the effects of v and psi all but cancel at b/a near 1, errors weigh more there.
         equivalent = backward_error(system, reached * system.cancellation)[:, None]
         error = at_p(equivalent * closing(-by_K.image), equivalent * by_K.measures)
         # Errors that steps accumulate need not be equivalent to any change of K.
         error += at_p(finer * closing(-by_steps.image), finer * by_steps.measures)
-        moved, period = at_p(step), returns.numbers["period"]
-    return _Correction(step, moved, error, along, reached, period)
+        changes, period = at_p(step), returns.numbers["period"]
+    return _Correction(step, changes, error, along, reached, period)
 
 
 def _null_vectors(matrices):

@@ -28,7 +28,7 @@ from .system import distance, select, small_amplitude, steady_sliding_at, tighte
 MAX_SEARCH_STEPS, MAX_RETURNS, LONGEST_PERIOD = 400, 2000, 32
 # A cycle of m returns that closes after m/2 of them, to this part of its distance from u = 0, is a
 # cycle of m/2.
-CLOSES = 1e-4
+MAX_CLOSURE = 1e-4
 # Amplitude of ln V below which a stable steady sliding is reached; and below which a cycle is
 # small enough for harmonic balance.
 STEADY, SMALL = 1e-2, 2e-2
@@ -44,7 +44,7 @@ LARGEST_LEAP, LARGEST_LEAP_WITHOUT_MASS = 0.3, 0.03
 # Share of the linear contraction by which the map may be nonlinear on the way to a fixed point.
 NONLINEAR = 0.5
 # Reversals in a row after which an orbit counts as alternating.
-ALTERNATES = 6
+MAX_REVERSALS = 6
 # A fixed point that the orbit does not reach may lie beside a cycle of twice the returns if its
 # multiplier is below this.
 FLIPS = -0.5
@@ -71,9 +71,9 @@ class CycleEstimates(NamedTuple):
     error: np.ndarray  # (n,) estimated relative error if known, as of a small cycle; else 0
     n_returns: np.ndarray  # (n,) how many returns make the period
 
-    def at(self, which):
-        """Return the sliders with these numbers, or where `which` is True."""
-        return select(self, which)
+    def at(self, rows):
+        """Return the sliders with these numbers, or where `rows` is True."""
+        return select(self, rows)
 
 
 def single_returns(u, tol, period, error=0.0, status=FINISHED):
@@ -104,7 +104,7 @@ def find_attractors(system, start, rtol, progress, loosest=LOOSEST):
     stable = system.stable
     steady_tol = np.where(stable, 1e-6, 0.0)
     first = return_map(system, start, loosest, steady_tol=steady_tol)
-    status = np.where(first.came_back, RUNNING, first.status)
+    status = np.where(first.has_returned, RUNNING, first.status)
     period = first.numbers["period"]
     estimates = single_returns(first.image.copy(), loosest.astype(float), period, status=status)
     search, followed = np.zeros(n, _search_type(start.shape[1] - 1)), np.ones(n, np.int64)
@@ -120,9 +120,9 @@ def find_attractors(system, start, rtol, progress, loosest=LOOSEST):
         options = {"steady_tol": steady_tol[active]}
         returns = iterated_map(part, current.u, current.tol, current.n_returns, **options)
         followed[active] += current.n_returns
-        on_orbit = returns.came_back & ~searching["ahead"]
+        on_orbit = returns.has_returned & ~searching["ahead"]
         r = np.where(on_orbit, small_amplitude(part, current.u), np.inf)
-        estimates.status[active] = np.where(returns.came_back, RUNNING, returns.status)
+        estimates.status[active] = np.where(returns.has_returned, RUNNING, returns.status)
         estimates.period[active] = returns.numbers["period"]
         estimates.u[active], estimates.tol[active], converged, doubled = _advance_search(
             part, returns, current, searching, rtol, loosest[active], leap=number > 0
@@ -141,15 +141,15 @@ def find_attractors(system, start, rtol, progress, loosest=LOOSEST):
 
 def _halve_periods(system, estimates):
     """Halve the returns of a cycle as long as it closes after half of them already."""
-    which = np.flatnonzero((estimates.status == FINISHED) & (estimates.n_returns > 1))
-    while len(which):
-        part, cycles = system.at(which), estimates.at(which)
+    rows = np.flatnonzero((estimates.status == FINISHED) & (estimates.n_returns > 1))
+    while len(rows):
+        part, cycles = system.at(rows), estimates.at(rows)
         half = iterated_map(part, cycles.u, cycles.tol, cycles.n_returns // 2)
-        closes = distance(part, half.image - cycles.u) <= CLOSES * distance(part, cycles.u)
-        which = which[closes]
-        estimates.n_returns[which] //= 2
-        estimates.period[which] *= 0.5
-        which = which[estimates.n_returns[which] > 1]
+        closes = distance(part, half.image - cycles.u) <= MAX_CLOSURE * distance(part, cycles.u)
+        rows = rows[closes]
+        estimates.n_returns[rows] //= 2
+        estimates.period[rows] *= 0.5
+        rows = rows[estimates.n_returns[rows] > 1]
 
 
 def _finish_at_rest(system, estimates, active, r):
@@ -157,26 +157,26 @@ def _finish_at_rest(system, estimates, active, r):
 
     Beside stable sliding, only unstable cycles are that small; an orbit inside them spirals in.
     """
-    which, r = active[r < STEADY], r[r < STEADY]
-    if len(which):
-        part = system.at(which)
+    rows, r = active[r < STEADY], r[r < STEADY]
+    if len(rows):
+        part = system.at(rows)
         inside = (part.margin > hopf_curvature(part) * r**2) | (r < SMALLEST)
-        estimates.status[which[inside]] = STEADY_SLIDING
+        estimates.status[rows[inside]] = STEADY_SLIDING
 
 
-def _finish_on_small_cycles(system, estimates, which):
+def _finish_on_small_cycles(system, estimates, rows):
     """Put those small cycles of these sliders that harmonic balance finds into the estimates."""
-    if not (len(which) and system.friction_law.one_length):
+    if not (len(rows) and system.friction_law.one_length):
         return
-    part = system.at(which)
+    part = system.at(rows)
     cycles = small_cycle(part.law, part.kappa, part.beta, part.eta)
-    near = cycles.valid & (cycles.r < 2.0 * SMALL)
-    which, cycles = which[near], select(cycles, near)
-    estimates.status[which] = FINISHED
-    estimates.u[which] = np.stack([cycles.psi, cycles.G], axis=1)
-    estimates.period[which] = 2.0 * np.pi / cycles.omega
-    estimates.error[which] = cycles.error
-    estimates.tol[which] = tightest(system.at(which), estimates.u[which])
+    is_small = cycles.valid & (cycles.r < 2.0 * SMALL)
+    rows, cycles = rows[is_small], select(cycles, is_small)
+    estimates.status[rows] = FINISHED
+    estimates.u[rows] = np.stack([cycles.psi, cycles.G], axis=1)
+    estimates.period[rows] = 2.0 * np.pi / cycles.omega
+    estimates.error[rows] = cycles.error
+    estimates.tol[rows] = tightest(system.at(rows), estimates.u[rows])
 
 
 # One step of the search
@@ -283,7 +283,7 @@ def _tolerance(local, part, loosest):
     return np.clip(tol, local.finest, loosest)
 
 
-def _leap(system, returns, u, local, may):
+def _leap(system, returns, u, local, can_leap):
     """Return the image of u or, if the orbit may leap, a point further along its slow direction.
 
     A leap must not pass a fixed point, nor amplify returns that alternate.
@@ -295,21 +295,21 @@ def _leap(system, returns, u, local, may):
             matrix = returns.jacobian - other[:, None, None] * np.eye(u.shape[1])
             slow = (matrix @ slow[:, :, None])[:, :, 0] / (first - other)[:, None]
         slow = slow.real
-        along = distance(system, slow)
-        until = 0.5 * along / np.abs(1.0 - first)
-        bold = system.stable | (system.eta > 0.0)
-        largest = np.where(bold, LARGEST_LEAP, LARGEST_LEAP_WITHOUT_MASS)
-        more = np.minimum(largest * size, until) / along - 1.0
+        slow_size = distance(system, slow)
+        max_step = 0.5 * slow_size / np.abs(1.0 - first)
+        can_be_large = system.stable | (system.eta > 0.0)
+        largest = np.where(can_be_large, LARGEST_LEAP, LARGEST_LEAP_WITHOUT_MASS)
+        leap = np.minimum(largest * size, max_step) / slow_size - 1.0
         # Without inertia, orbits at K_c may be neutral, so that leaps would be a random walk; and
         # under laws of one length there is no cycle to leap to.
-        may = may & (first.imag == 0.0) & (first.real > 0.0)
-        leads = system.stable | (not system.friction_law.one_length)
-        may &= (system.eta > 0.0) | (leads & (np.abs(1.0 - first) > NEUTRAL))
+        can_leap = can_leap & (first.imag == 0.0) & (first.real > 0.0)
+        has_cycle = system.stable | (not system.friction_law.one_length)
+        can_leap &= (system.eta > 0.0) | (has_cycle & (np.abs(1.0 - first) > NEUTRAL))
         # If faster parts of the move are larger, they hide the slow one, and the map bends.
-        may &= distance(system, move - slow) <= along
-        leapt = returns.image + np.where(may, more, 0.0)[:, None] * slow
-    far = may & (more > 0.0) & (leapt[:, -1] > 0.0)
-    return np.where(far[:, None], leapt, returns.image)
+        can_leap &= distance(system, move - slow) <= slow_size
+        leapt = returns.image + np.where(can_leap, leap, 0.0)[:, None] * slow
+    leaps = can_leap & (leap > 0.0) & (leapt[:, -1] > 0.0)
+    return np.where(leaps[:, None], leapt, returns.image)
 
 
 def _nonlinearity(system, returns, search, local):
@@ -324,8 +324,8 @@ def _nonlinearity(system, returns, search, local):
     change = np.hypot(departure.real - first.real, np.abs(departure.imag) - np.abs(first.imag))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         linear = (returns.jacobian @ begin[:, :, None])[:, :, 0]
-        off = np.nan_to_num(distance(system, image - linear) / distance(system, begin))
-        return np.maximum(off, change) / (1.0 - np.abs(first))
+        deviation = np.nan_to_num(distance(system, image - linear) / distance(system, begin))
+        return np.maximum(deviation, change) / (1.0 - np.abs(first))
 
 
 def _alternates(system, search, move, first, refuted, on_orbit):
@@ -335,9 +335,9 @@ def _alternates(system, search, move, first, refuted, on_orbit):
     the period doubling at which a cycle of twice the returns appears.
     """
     last = search["move"]
-    along = (system.weights**2 * move * last).sum(axis=1)
-    reversals = np.where(along < 0.0, search["reversals"] + 1, 0)
+    projection = (system.weights**2 * move * last).sum(axis=1)
+    reversals = np.where(projection < 0.0, search["reversals"] + 1, 0)
     search["reversals"] = np.where(on_orbit, reversals, search["reversals"])
     search["move"] = np.where(on_orbit[:, None], move, last)
     flips = refuted & (first.imag == 0.0) & (first.real < FLIPS)
-    return flips | (search["reversals"] >= ALTERNATES)
+    return flips | (search["reversals"] >= MAX_REVERSALS)

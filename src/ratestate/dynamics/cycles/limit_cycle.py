@@ -198,26 +198,26 @@ class LimitCycleCall(CheckedCall):
             slower = self.batch.flat("V_lp") / self.batch.flat("V_start")
         measures: dict = {}
         for first in range(0, len(may_cycle), CHUNK):
-            which = may_cycle[first : first + CHUNK]
-            part = system.at(which)
-            done, share = first / len(may_cycle), len(which) / len(may_cycle)
+            rows = may_cycle[first : first + CHUNK]
+            part = system.at(rows)
+            done, share = first / len(may_cycle), len(rows) / len(may_cycle)
             advance = progress and (lambda x, d=done, s=share: progress(d + s * x))
-            start = steady_start(part, slower[which])
+            start = steady_start(part, slower[rows])
             attractors = find_attractors(part, start, self.rtol, advance)
-            status[which] = attractors.status
+            status[rows] = attractors.status
             cycle = attractors.status == FINISHED
             cycle |= is_single & (attractors.status == NO_CONVERGENCE)
             values = refine(part.at(cycle), attractors.at(cycle), self.rtol)
             for name, value in values.items():
                 empty = np.full((n, *value.shape[1:]), np.nan, value.dtype)
-                measures.setdefault(name, empty)[which[cycle]] = value
+                measures.setdefault(name, empty)[rows[cycle]] = value
         if measures:
             # A cycle that proves to be unstable is not the attractor.
-            good = (measures["error"] <= WORST) & (np.abs(measures["multipliers"][:, 0]) < 1.0)
-            doubtful = (status == FINISHED) & ~good
-            status[doubtful] = NO_CONVERGENCE
+            valid = (measures["error"] <= WORST) & (np.abs(measures["multipliers"][:, 0]) < 1.0)
+            is_doubtful = (status == FINISHED) & ~valid
+            status[is_doubtful] = NO_CONVERGENCE
             for value in () if is_single else measures.values():
-                value[doubtful] = np.nan
+                value[is_doubtful] = np.nan
         return status, measures
 
     def refuse_failure(self, result):
@@ -235,10 +235,10 @@ def cycle_variables(law, batch, status, measures, stable):
     stable : (n,) whether the cycles are stable
     """
     p, V, steady = columns(batch), batch.flat("V_lp"), status == STEADY_SLIDING
-    nothing = np.full(batch.n, np.nan)
+    missing = np.full(batch.n, np.nan)
 
     def measured(name, if_steady=np.nan):
-        return np.where(steady, if_steady, measures.get(name, nothing))
+        return np.where(steady, if_steady, measures.get(name, missing))
 
     period, amplitude = measured("period") * p.Dc / V, measured("amplitude", 0.0)
     at_V, psi = law.coefficient_arrays(V, batch.columns), law.reference_state
@@ -268,9 +268,9 @@ def cycle_variables(law, batch, status, measures, stable):
     at = law.steady(at_V)
     lowest = mu + p.a * measured("f_min", at.R), 2.0 * mu + p.a * measured("xf_min", at.R + at.S)
     variables |= domain_variables(law, batch, *lowest)
-    without = np.full((batch.n, 1 + len(law.states)), np.nan)
+    missing_vectors = np.full((batch.n, 1 + len(law.states)), np.nan)
     for name, dtype in (("multipliers", complex), ("multipliers_error", float)):
-        value = measures.get(name, without.astype(dtype))
+        value = measures.get(name, missing_vectors.astype(dtype))
         variables[name] = batch.variable(value, name, "multiplier")
     return variables | {"status": status_variable(batch, status)}
 

@@ -55,17 +55,17 @@ def refine(system, cycles, rtol):
         floor = tightest(system, cycles.u)
         of_multipliers = measures["multipliers_error"].max(axis=1) / OF_MULTIPLIER
         errors = np.fmax(measures["error"], of_multipliers)
-        worse = (errors > rtol) & (cycles.tol > floor) & (cycles.error == 0.0)
-        if not worse.any():
+        refined = (errors > rtol) & (cycles.tol > floor) & (cycles.error == 0.0)
+        if not refined.any():
             break
-        finer = cycles.tol[worse] * np.clip(rtol / errors[worse], 0.01, 0.3)
-        cycles.tol[worse] = np.maximum(finer, floor[worse])
+        finer = cycles.tol[refined] * np.clip(rtol / errors[refined], 0.01, 0.3)
+        cycles.tol[refined] = np.maximum(finer, floor[refined])
         # (if there is no cycle, Newton's step may lead to where V falls)
-        known = worse & (measures["u"][:, -1] > 0.0)
+        known = refined & (measures["u"][:, -1] > 0.0)
         cycles.u[known] = measures["u"][known]
         cycles.period[known] = measures["period"][known]
-        for name, value in measure(system.at(worse), cycles.at(worse)).items():
-            measures[name][worse] = value
+        for name, value in measure(system.at(refined), cycles.at(refined)).items():
+            measures[name][refined] = value
     small = np.flatnonzero(cycles.error > 0.0)
     if len(small):
         _improve_multipliers(system.at(small), measures, small)
@@ -83,12 +83,12 @@ def _improve_multipliers(system, measures, small):
     found, of_found = measures["multipliers"][small], measures["multipliers_error"][small]
     modes = steady_modes(system.eta, system.kappa, system.beta, system.margin)
     first = np.exp(-2.0 * modes[:, 0].real * measures["period"][small])
-    off = SAFETY * np.abs(first - found[:, 0])
-    better = off < of_found[:, 0]
+    error = SAFETY * np.abs(first - found[:, 0])
+    improved = error < of_found[:, 0]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         second = np.prod(found, axis=1) / first
-    measures["multipliers"][small[better]] = np.stack([first, second], axis=1)[better]
-    measures["multipliers_error"][small[better], 0] = off[better]
+    measures["multipliers"][small[improved]] = np.stack([first, second], axis=1)[improved]
+    measures["multipliers_error"][small[improved], 0] = error[improved]
 
 
 def measure(system, cycles):
@@ -110,19 +110,20 @@ def measure(system, cycles):
     values = {name: numbers[name] for name in ("g_max", "f_min", "xf_min")}
     values |= {"multipliers": multipliers(returns), "u": u + step}
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        high, low, longer, v_max, v_min = change_along(gradients, step).T
-        larger = high - low
-        values["amplitude"] = numbers["x_high"] - numbers["x_low"] + larger
-        values["period"] = numbers["period"] + longer
+        high, low, d_period, v_max, v_min = change_along(gradients, step).T
+        d_amplitude = high - low
+        values["amplitude"] = numbers["x_high"] - numbers["x_low"] + d_amplitude
+        values["period"] = numbers["period"] + d_period
         values |= {"v_max": numbers["v_max"] + v_max, "v_min": numbers["v_min"] + v_min}
         values["slow_fraction"] = numbers["slow"] / numbers["period"]
         values["fundamental"] = _fundamental_share(numbers)
         values["residual"] = distance(system, returns.image - u) / distance(system, u)
         values["returns"] = cycles.n_returns.astype(float)
         # If the correction removes amplitude or period, there was no cycle.
-        whole = np.array([values["amplitude"], values["period"]])
-        whole = np.where((whole > 0.0).all(axis=0), whole, 0.0)
-        changes = np.stack([*np.abs([larger, longer]) / whole, *np.abs([v_max, v_min])], axis=1)
+        scales = np.array([values["amplitude"], values["period"]])
+        scales = np.where((scales > 0.0).all(axis=0), scales, 0.0)
+        relative = np.abs([d_amplitude, d_period]) / scales
+        changes = np.stack([*relative, *np.abs([v_max, v_min])], axis=1)
         errors, values["multipliers_error"] = _errors(orbits, values["multipliers"], changes)
         # By Parseval's theorem the share is at most 1.  If it is larger, steps were too long for
         # the waveform, whose speeds differ by seventy decades and more.
@@ -175,8 +176,8 @@ def _errors(orbits, floquet, changes):
 
     parts = finer * column(changes) + column(accumulated) + least + column(by_stiffness)
     errors = cycles.error + SAFETY * parts
-    moved = errors[0] + SAFETY * changes[:, :2].max(axis=1)
-    return errors, SAFETY * of_multipliers + np.abs(floquet) * moved[:, None]
+    relative_error = errors[0] + SAFETY * changes[:, :2].max(axis=1)
+    return errors, SAFETY * of_multipliers + np.abs(floquet) * relative_error[:, None]
 
 
 def _rounding_of_state(system, steps):
@@ -207,10 +208,10 @@ def _accumulated_errors(orbits, floquet):
     u, finer = orbits.cycles.u, finer[:, None]
     step = newton_step(coarse.returns, u) - newton_step(orbits.returns, u)
     at_u, gradients = difference(coarse, orbits).measures, orbits.by_u
-    together = np.abs(at_u + change_along(gradients, step))[:, :2]
-    apart = (np.abs(at_u) + change_along(np.abs(gradients), np.abs(step)))[:, 2:]
+    systematic = np.abs(at_u + change_along(gradients, step))[:, :2]
+    scattered = (np.abs(at_u) + change_along(np.abs(gradients), np.abs(step)))[:, 2:]
     of_multipliers = np.abs(multipliers(coarse.returns) - floquet)
-    return np.concatenate([finer * together, np.sqrt(finer) * apart], axis=1), of_multipliers
+    return np.concatenate([finer * systematic, np.sqrt(finer) * scattered], axis=1), of_multipliers
 
 
 def _stiffness_sensitivity(orbits):
@@ -295,7 +296,7 @@ def stiffness_derivatives(orbits):
     """Return `parameter_derivatives` with respect to ln K."""
     system = orbits.system
     return parameter_derivatives(
-        orbits, lambda by: dataclasses.replace(system, kappa=system.kappa * by)
+        orbits, lambda factor: dataclasses.replace(system, kappa=system.kappa * factor)
     )
 
 

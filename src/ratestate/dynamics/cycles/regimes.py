@@ -88,8 +88,8 @@ def classify(cycle):
     eta_of_case = xarray.ones_like(cycle.inertia) * eta(V_lp, a=a, Dc=Dc, sigma=sigma, M=M)
     eta_of_case = eta_of_case.transpose(*cycle.inertia.dims).reset_coords(drop=True)
     regime = regimes_of(cycle, parameter(cycle, "damping"), sigma)
-    without = np.isin(regime, [STEADY, UNKNOWN])
-    by_eta = np.select([without, eta_of_case < 1.0], [regime, STICK_SLIP], HARMONIC)
+    no_cycle = np.isin(regime, [STEADY, UNKNOWN])
+    by_eta = np.select([no_cycle, eta_of_case < 1.0], [regime, STICK_SLIP], HARMONIC)
     coarse_regime = np.where(regime == SLOW, STICK_SLIP, regime)
     dims = cycle.inertia.dims
     result = measured.assign(

@@ -40,7 +40,7 @@ class Returns(NamedTuple):
     gradients: dict
 
     @property
-    def came_back(self):
+    def has_returned(self):
         """Whether each slider came back to the section."""
         return self.status == FINISHED
 
@@ -116,48 +116,48 @@ def iterated_map(system, u, atol, count, *, steady_tol=0.0, observe=False, perio
     """
     n = len(u)
     atol, steady_tol = np.broadcast_to(atol, n), np.broadcast_to(steady_tol, n)
-    each = np.ones(n) if period is None else period / count
+    periods = np.ones(n) if period is None else period / count
 
-    def once(which, u):
+    def one_return(rows, u):
         """Return one return of the sliders with these numbers."""
-        part = system.at(which)
-        y, assumed = state(part, u), None if period is None else each[which]
-        options = {"steady_tol": steady_tol[which], "observe": observe, "period": assumed}
-        return return_map(part, y, atol[which], **options)
+        part = system.at(rows)
+        y, assumed = state(part, u), None if period is None else periods[rows]
+        options = {"steady_tol": steady_tol[rows], "observe": observe, "period": assumed}
+        return return_map(part, y, atol[rows], **options)
 
-    returns = once(np.arange(n), u)
+    returns = one_return(np.arange(n), u)
     for number in range(1, int(count.max(initial=1))):
-        which = np.flatnonzero((count > number) & returns.came_back)
-        _append(returns, which, once(which, returns.image[which]), 2.0 * np.pi / each[which])
+        rows = np.flatnonzero((count > number) & returns.has_returned)
+        _append(returns, rows, one_return(rows, returns.image[rows]), 2.0 * np.pi / periods[rows])
     return returns
 
 
-def _append(returns, which, more, omega):
+def _append(returns, rows, added, omega):
     """Extend the returns of these sliders by one more return, in place.
 
     omega : (n,) angular frequency of the waveform
     """
-    old = {name: values[which] for name, values in returns.numbers.items()}
-    previous, new = returns.jacobian[which], more.numbers
+    old = {name: values[rows] for name, values in returns.numbers.items()}
+    previous, new = returns.jacobian[rows], added.numbers
     joined = dict(new)
     for name in SUMS:
         joined[name] = old[name] + new[name]
     joined["g_max"] = np.maximum(old["g_max"], new["g_max"])
     for name in ("f_min", "xf_min"):
         joined[name] = np.minimum(old[name], new[name])
-    slopes = {name: np.einsum("ni,nij->nj", d, previous) for name, d in more.gradients.items()}
-    slopes["period"] = returns.gradients["period"][which] + slopes["period"]
+    slopes = {name: np.einsum("ni,nij->nj", d, previous) for name, d in added.gradients.items()}
+    slopes["period"] = returns.gradients["period"][rows] + slopes["period"]
     for name, sign in (("x_low", -1.0), ("x_high", 1.0), ("v_min", -1.0), ("v_max", 1.0)):
         is_new = sign * new[name] > sign * old[name]
         joined[name] = np.where(is_new, new[name], old[name])
-        slopes[name] = np.where(is_new[:, None], slopes[name], returns.gradients[name][which])
+        slopes[name] = np.where(is_new[:, None], slopes[name], returns.gradients[name][rows])
     shifted = np.exp(1j * omega * old["period"]) * (new["cosine"] + 1j * new["sine"])
     joined["cosine"], joined["sine"] = old["cosine"] + shifted.real, old["sine"] + shifted.imag
     for found, values in ((returns.numbers, joined), (returns.gradients, slopes)):
         for name, value in values.items():
-            found[name][which] = value
-    returns.status[which], returns.image[which] = more.status, more.image
-    returns.jacobian[which] = more.jacobian @ previous
+            found[name][rows] = value
+    returns.status[rows], returns.image[rows] = added.status, added.image
+    returns.jacobian[rows] = added.jacobian @ previous
 
 
 def change_along(gradients, step):
@@ -211,13 +211,13 @@ def effective_tolerance(returns, tol):
 
 def newton_step(returns, u):
     """Return the step (n, k) of Newton's method from u to the fixed point; not finite if none."""
-    matrix, off = np.eye(u.shape[1]) - returns.jacobian, returns.image - u
+    matrix, residual = np.eye(u.shape[1]) - returns.jacobian, returns.image - u
     if u.shape[1] == 2:
         (a, b), (c, d) = np.moveaxis(matrix, 0, -1)
-        psi, G = off.T
+        psi, G = residual.T
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return np.stack([d * psi - b * G, a * G - c * psi], axis=1) / (a * d - b * c)[:, None]
-    return solve_each(matrix, off)
+    return solve_each(matrix, residual)
 
 
 def solve_each(matrices, vectors):

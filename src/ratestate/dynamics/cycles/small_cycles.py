@@ -37,8 +37,8 @@ EPS = 2.0**-52
 HARMONICS = 15
 # over half a period: parity gives the other half
 NODES = np.pi * np.arange(HARMONICS + 1) / (HARMONICS + 1)
-FIRST = np.exp(1j * NODES)
-C, S = FIRST.real, FIRST.imag
+FIRST_HARMONIC = np.exp(1j * NODES)
+C, S = FIRST_HARMONIC.real, FIRST_HARMONIC.imag
 EVEN, ODD = np.arange(2, HARMONICS, 2), np.arange(3, HARMONICS + 1, 2)
 EVEN_WAVES, ODD_WAVES = np.exp(1j * np.outer(EVEN, NODES)), np.exp(1j * np.outer(ODD, NODES))
 
@@ -145,14 +145,14 @@ def _solve(margin, case):
         old, s_old = select(balance, rows), s[rows]
         new = _next_balance(old, s_old, select(case, rows))
         target = margin[rows] / new.m
-        drift, off = np.abs(new.m - old.m), np.abs(new.m - margin[rows] / s_old)
+        drift, residual_m = np.abs(new.m - old.m), np.abs(new.m - margin[rows] / s_old)
         for values, new_values in zip(balance, new, strict=True):
             values[rows] = new_values
-        residual[rows] = off + drift + rounding[rows]
+        residual[rows] = residual_m + drift + rounding[rows]
         # m is small where eta is, but the rest of the balance is not: it converges before s moves
-        follow = (drift < 0.1 * off) & (off > rounding[rows])
+        follow = (drift < 0.1 * residual_m) & (residual_m > rounding[rows])
         s[rows] = np.where(follow, np.clip(target, s_old / 4, 4 * s_old), s_old)
-        rows = rows[(off + drift > 2 * rounding[rows])[:, 0]]
+        rows = rows[(residual_m + drift > 2 * rounding[rows])[:, 0]]
     return balance, s, residual
 
 
@@ -162,7 +162,7 @@ def _waveform(balance, s, kappa, case):
     omega, root = _frequency(d, s, case), np.sqrt(s)
     (q,), (p,) = _at_nodes(EVEN_WAVES, Q), _at_nodes(ODD_WAVES, P)
     B, _ = _logarithm(q, p, s)
-    r = root * np.abs(1 + s * _project(B, FIRST[None]))
+    r = root * np.abs(1 + s * _project(B, FIRST_HARMONIC[None]))
     k = np.concatenate([[1], EVEN, ODD])
     w = root * np.concatenate([np.ones_like(s), root * Q, s * P], axis=1)  # harmonics of w - 1
     slope, integral = 1j * k * w, w / (1j * k)
@@ -206,7 +206,7 @@ def _next_balance(balance, s, case):
         return -_project(part, waves) / (mu * (1 - 1j / (k * omega)) + 1j * k * omega - case.b1)
 
     Q, P = Q + correction(EVEN, EVEN_WAVES, even), P + correction(ODD, ODD_WAVES, odd)
-    first = _project(odd, FIRST[None])
+    first = _project(odd, FIRST_HARMONIC[None])
     g = g - first.real
     d = d - (first.imag + first.real / omega) * omega / case.b1
     X0 = X0 + even.mean(axis=1, keepdims=True) / case.beta

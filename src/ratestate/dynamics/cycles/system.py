@@ -41,15 +41,15 @@ class System:
     #: ln(V/V_lp) beyond which a slider that does not slow down has run away; inf if M > 0
     v_limit: np.ndarray
 
-    def at(self, which):
-        """Return the sliders with these numbers, or where `which` is True.
+    def at(self, rows):
+        """Return the sliders with these numbers, or where `rows` is True.
 
         If these are all sliders in order, it is this system, with the quantities derived so far.
         """
-        every = np.arange(len(self.kappa))
-        if np.array_equal(every[which], every):
+        all_rows = np.arange(len(self.kappa))
+        if np.array_equal(all_rows[rows], all_rows):
             return self
-        parts = (values[which] for values in (self.kappa, self.p, self.eta, self.v_limit))
+        parts = (values[rows] for values in (self.kappa, self.p, self.eta, self.v_limit))
         return System(self.law, *parts)
 
     @functools.cached_property
@@ -149,9 +149,9 @@ def system_of(law, *, sigma, K, M, V_lp, **values):
     return System(law, K * Dc / (a * sigma), p, inertia, v_limit)
 
 
-def select(cases, which):
-    """Return a named tuple with its arrays indexed by `which`; other fields stay."""
-    return type(cases)(*(x[which] if isinstance(x, np.ndarray) else x for x in cases))
+def select(cases, rows):
+    """Return a named tuple with its arrays indexed by `rows`; other fields stay."""
+    return type(cases)(*(x[rows] if isinstance(x, np.ndarray) else x for x in cases))
 
 
 def state(system, u):

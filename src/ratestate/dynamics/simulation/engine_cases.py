@@ -84,12 +84,12 @@ def comes_to_rest(loads, rows, t_end):
     return np.where(V > 0.0, rest, loads.t).min(axis=1)[rows] < t_end
 
 
-def run_cases(method, law, cases, loads, save_times, which, progress=None):
+def run_cases(method, law, cases, loads, save_times, rows, progress=None):
     """March the cases with these numbers; return the `Results` of all n cases.
 
     Those of the others are NaN, with the status RUNNING.  method : a name in `METHODS`
     """
-    order = which[np.argsort(-cost(cases, loads)[which], kind="stable")]
+    order = rows[np.argsort(-cost(cases, loads)[rows], kind="stable")]
     return dispatch.run_march(METHODS[method], law, cases, loads, save_times, order, progress)
 
 
@@ -136,17 +136,17 @@ def failure(function, slider, status, t=None, best=None, loading=None):
     name, text = STATUSES[int(status)]
     if status == RIGID_REST:
         return ParameterError(f"{text}.\n{slider!r}")
-    when = "" if t is None else f" at t = {t:.9g} s"
+    time_text = "" if t is None else f" at t = {t:.9g} s"
     if status == RUNAWAY and not slider.friction_law.has_speed_scale and slider.K_c_qs > 0.0:
         varies = loading is not None and loading.normal_stress is not None
-        then = loading.slider_at(t, slider) if varies else slider
+        slider_at_t = loading.slider_at(t, slider) if varies else slider
         sigma, K, K_c_qs = (
-            of_contact(symbol, getattr(then, symbol), then.area)
+            of_contact(symbol, getattr(slider_at_t, symbol), slider_at_t.area)
             for symbol in ("sigma", "K", "K_c_qs")
         )
         at = sentence("failure.stress", sigma=sigma) if varies else ""
-        values = {"K": K, "K_c_qs": K_c_qs, "ratio": then.K / then.K_c_qs}
+        values = {"K": K, "K_c_qs": K_c_qs, "ratio": slider_at_t.K / slider_at_t.K_c_qs}
         text = sentence("failure.runaway", at=at, text=text, **values)
-    message = f"{function} stopped{when} ({name}): {text}.\n{slider!r}"
+    message = f"{function} stopped{time_text} ({name}): {text}.\n{slider!r}"
     kinds = {RUNAWAY: QuasiStaticInstability, NO_CONVERGENCE: NotConverged}
     return kinds.get(int(status), SolverError)(message, best)

@@ -69,8 +69,8 @@ def _saved_at(batch, times):
 def blank_motion(law, batch, times):
     """Return the `BatchMotion` of a batch that has not been run: NaN, status NO_CONVERGENCE."""
     t = _saved_at(batch, times)
-    nothing = np.full(batch.n, np.nan)
-    numbers = dict.fromkeys((*NUMBERS, "energy_residual"), nothing)
+    missing = np.full(batch.n, np.nan)
+    numbers = dict.fromkeys((*NUMBERS, "energy_residual"), missing)
     states = np.full((batch.n, t.shape[-1], 2 + len(law.states)), np.nan)
     return BatchMotion(t, states, numbers, np.full(batch.n, NO_CONVERGENCE))
 

@@ -79,17 +79,17 @@ def undisturbed_warning(calls):
         V_lp = _constant_speeds(call)
         p, law = columns(call.batch), call.slider.friction_law
         cases += V_lp.size
-        stays = _starts_steady(call, V_lp, p)
-        if not stays.any():
+        is_undisturbed = _starts_steady(call, V_lp, p)
+        if not is_undisturbed.any():
             continue
         of_law = {symbol: call.batch.flat(symbol) for symbol in law.symbols}
         critical = K_c(law, V_lp, sigma=p.sigma, M=p.M, **of_law)
         stiffer = (1.0 + EDGE_WIDTH) * p.K
-        stays &= ~is_stable(law, V_lp, sigma=p.sigma, K=stiffer, M=p.M, **of_law)
-        stays &= critical > stiffer
-        count += int(stays.sum())
-        if stays.any() and not first:
-            i = int(np.argmax(stays))
+        is_undisturbed &= ~is_stable(law, V_lp, sigma=p.sigma, K=stiffer, M=p.M, **of_law)
+        is_undisturbed &= critical > stiffer
+        count += int(is_undisturbed.sum())
+        if is_undisturbed.any() and not first:
+            i = int(np.argmax(is_undisturbed))
             area = p.area[i] if call.slider.has_area else None
             stiffnesses = {"K": p.K[i], "K_c": critical[i]}
             first = {symbol: of_contact("K", K, area) for symbol, K in stiffnesses.items()}

@@ -194,8 +194,8 @@ class SimulateCall(CheckedCall):
         values = {**self.slider.values, "t_end": self.t_end, "V_start": start, **self.initial}
         histories = {"V_lp": self.loading.V}
         if (stress := self.loading.normal_stress) is not None:
-            own = {"sigma_amplitude": stress.amplitude, "sigma_period": stress.period}
-            values = {"alpha": 0.0, **values, **own}
+            sinusoid = {"sigma_amplitude": stress.amplitude, "sigma_period": stress.period}
+            values = {"alpha": 0.0, **values, **sinusoid}
             histories |= {"sigma at first": stress.start, "sigma at last": stress.end}
         extra = {name: history for name, history in histories.items() if is_array(history)}
         extra |= {"time": self.times} if is_array(self.times) else {}
@@ -210,15 +210,15 @@ class SimulateCall(CheckedCall):
     @property
     def names(self):
         """Names of the result's variables."""
-        more = () if self.loading.normal_stress is None else ("sigma",)
-        return (*VARIABLES, *more, *self.slider.friction_law.states)
+        stress_names = () if self.loading.normal_stress is None else ("sigma",)
+        return (*VARIABLES, *stress_names, *self.slider.friction_law.states)
 
     def check_fits(self):
         """Raise ParameterError if the results take more memory than there is."""
         times = 1 if self.times is None else self.times.shape[-1]
-        each = BYTES + BYTES_OF_STATE * (len(self.slider.friction_law.states) - 1)
+        bytes_per_row = BYTES + BYTES_OF_STATE * (len(self.slider.friction_law.states) - 1)
         check_fits(
-            each * self.batch.n * times,
+            bytes_per_row * self.batch.n * times,
             f"the results of {self.batch.n:,} cases at {times:,} times",
             "Save fewer times, or sweep into a store, sweep(simulate, ..., store='x.zarr').",
         )

@@ -16,7 +16,7 @@ def run(file: Path | None = None, *, source: Path | None = None, outputs: Output
 
     Example: ratestate run lab.toml --plot lab.png
     """
-    from .run_scenario import do, load_scenario, note_sweep, wanted_units
+    from .run_scenario import load_scenario, note_sweep, run_and_report, wanted_units
 
     units = wanted_units(outputs.units)
     if source is not None and file is None:
@@ -30,7 +30,7 @@ def run(file: Path | None = None, *, source: Path | None = None, outputs: Output
         note_sweep(scenario)
     else:
         raise typer.BadParameter("give either a file or --from RESULT", param_hint="FILE.toml")
-    do(scenario, outputs, units)
+    run_and_report(scenario, outputs, units)
 
 
 def stability(file: Path, *, outputs: Outputs) -> None:
@@ -38,7 +38,7 @@ def stability(file: Path, *, outputs: Outputs) -> None:
 
     Example: ratestate stability lab.toml
     """
-    _do(file, "stability", outputs)
+    _call(file, "stability", outputs)
 
 
 def response(file: Path, *, frequency: list[str] | None = None, outputs: Outputs) -> None:
@@ -48,9 +48,9 @@ def response(file: Path, *, frequency: list[str] | None = None, outputs: Outputs
 
     Example: ratestate response record.toml --plot response.png
     """
-    texts = [text.strip() for one in frequency or [] for text in one.split(",")]
+    texts = [text.strip() for option in frequency or [] for text in option.split(",")]
     given: dict[str, Any] = {"frequency": texts} if texts else {}
-    _do(file, "frequency_response", outputs, **given)
+    _call(file, "frequency_response", outputs, **given)
 
 
 def cycle(file: Path, *, outputs: Outputs) -> None:
@@ -58,7 +58,7 @@ def cycle(file: Path, *, outputs: Outputs) -> None:
 
     Example: ratestate cycle brake.toml --plot cycle.png
     """
-    _do(file, "limit_cycle", outputs)
+    _call(file, "limit_cycle", outputs)
 
 
 def branch(
@@ -74,18 +74,18 @@ def branch(
     Example: ratestate branch brake.toml --start "50 mm/s" --stop "3 cm/s"
     """
     if parameter is start is stop is None:
-        _do(file, "continue_cycle", outputs)
+        _call(file, "continue_cycle", outputs)
     elif start is None or stop is None:
         raise typer.BadParameter("both are needed", param_hint="--start and --stop")
     else:
         changes = {"parameter": parameter or "V_lp", "start": start, "stop": stop}
-        _do(file, "limit_cycle", outputs, **changes)
+        _call(file, "limit_cycle", outputs, **changes)
 
 
-def _do(file: Path, function: str, outputs: Outputs, **changes: Any) -> None:
+def _call(file: Path, function: str, outputs: Outputs, **changes: Any) -> None:
     """Call a function with a file's scenario, whose own function and [output] are ignored."""
     from ...scenario import Output
-    from .run_scenario import do, load_scenario, note_sweep, wanted_units
+    from .run_scenario import load_scenario, note_sweep, run_and_report, wanted_units
 
     units = wanted_units(outputs.units)
     scenario = load_scenario(file, function, outputs.law_file)
@@ -96,4 +96,4 @@ def _do(file: Path, function: str, outputs: Outputs, **changes: Any) -> None:
             settings.pop("V_lp")
     scenario = dataclasses.replace(scenario, function=function, settings=settings, output=Output())
     note_sweep(scenario)
-    do(scenario, outputs, units)
+    run_and_report(scenario, outputs, units)

@@ -14,7 +14,7 @@ import typer
 from typer.core import TyperCommand
 
 from ...model.names import nearest
-from ...paper.figures import BEYOND
+from ...paper.figures import EXTRAS
 from .exits import EXIT_CODES, exit_on_error
 from .output import warnings_as_lines
 
@@ -23,9 +23,9 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an e
 
 def _tables() -> dict[str, dict[str, Any]]:
     """Return the tables of commands.toml, with the figures beyond the paper filled in."""
-    beyond = ". ".join(f"{key}: {figure.help}" for key, figure in BEYOND.items())
+    beyond = ". ".join(f"{key}: {figure.help}" for key, figure in EXTRAS.items())
     text = Path(__file__).with_name("commands.toml").read_text("utf-8")
-    return tomllib.loads(text.replace("{names}", "|".join(BEYOND)).replace("{beyond}", beyond))
+    return tomllib.loads(text.replace("{names}", "|".join(EXTRAS)).replace("{beyond}", beyond))
 
 
 _TABLES = _tables()
@@ -44,7 +44,7 @@ class Command(TyperCommand):
             return super().parse_args(ctx, args)
         except Exception as error:  # the class is in a private module of typer
             if unknown := getattr(error, "option_name", ""):
-                names = {_parameter_name(one): one for param in self.params for one in param.opts}
+                names = {_parameter_name(opt): opt for param in self.params for opt in param.opts}
                 near = nearest(_parameter_name(unknown), names)
                 error.possibilities = [names[near]] if near else []  # type: ignore[attr-defined]
             raise
@@ -73,17 +73,17 @@ def as_command(function: Callable[..., None]) -> Callable[..., None]:
     `parameters_of` gives its parameters; each is in commands.toml.
     """
     table = _SHARED | _TABLES[function.__name__]
-    own = inspect.signature(function).parameters.values()
+    arguments = inspect.signature(function).parameters.values()
 
     @functools.wraps(function)
     def wrapped(*, context: typer.Context, debug: bool, **values: Any) -> None:
-        options = {str(one.name): one.opts[0] for one in context.command.params}
+        options = {str(param.name): param.opts[0] for param in context.command.params}
         with exit_on_error(debug or bool(context.obj), options), warnings_as_lines():
-            function(**{parameter.name: _argument(parameter, values) for parameter in own})
+            function(**{parameter.name: _argument(parameter, values) for parameter in arguments})
 
     kind = inspect.Parameter.KEYWORD_ONLY
     parameters = [
-        *(_described(one, **table[one.name]) for one in parameters_of(function)),
+        *(_described(argument, **table[argument.name]) for argument in parameters_of(function)),
         inspect.Parameter("debug", kind, default=False, annotation=Debug),
         inspect.Parameter("context", kind, annotation=typer.Context),
     ]

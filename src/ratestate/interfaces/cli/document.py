@@ -26,12 +26,12 @@ def document(result: xarray.Dataset, verdict: VerdictText | None) -> dict[str, A
     one slider ``verdict`` (``about``: the motion it is about; ``regime``, null if it names none;
     ``text``).  Infinite numbers are the strings "inf" and "-inf".
     """
-    whole = split(result).to_dict()
-    attrs = {k: json.loads(v) if k in NESTED else v for k, v in whole["attrs"].items()}
+    contents = split(result).to_dict()
+    attrs = {k: json.loads(v) if k in NESTED else v for k, v in contents["attrs"].items()}
     return {
         "ratestate": version("ratestate"),
         "title": attrs.pop("title"),
-        **{key: whole[key] for key in ("dims", "coords", "data_vars")},
+        **{key: contents[key] for key in ("dims", "coords", "data_vars")},
         "attrs": attrs,
         "failed": failed(result),
         **({"verdict": verdict._asdict()} if verdict else {}),

@@ -52,13 +52,13 @@ def exit_on_error(debug: bool, options: Mapping[str, str] | None = None) -> Iter
 def _second_interrupt_exits() -> Iterator[None]:
     """Let a second Ctrl-C end the process at once; unfinished files have temporary names."""
 
-    def first(*_: object) -> None:
-        signal.signal(signal.SIGINT, again)
+    def first_interrupt(*_: object) -> None:
+        signal.signal(signal.SIGINT, second_interrupt)
         # when Python exits it drops handlers, and a signal would then become the exit status
         atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
         raise KeyboardInterrupt
 
-    def again(*_: object) -> None:
+    def second_interrupt(*_: object) -> None:
         os.write(2, b"interrupted again: ended at once\n")
         os._exit(INTERRUPTED)
 
@@ -67,11 +67,11 @@ def _second_interrupt_exits() -> Iterator[None]:
     if not main or signal.getsignal(signal.SIGINT) is not default:
         yield
         return
-    signal.signal(signal.SIGINT, first)
+    signal.signal(signal.SIGINT, first_interrupt)
     try:
         yield
     finally:
-        if signal.getsignal(signal.SIGINT) is first:
+        if signal.getsignal(signal.SIGINT) is first_interrupt:
             signal.signal(signal.SIGINT, default)
 
 

@@ -181,12 +181,12 @@ def _evaluate(
     from .output import print_json, print_rich
 
     keywords = reading.keywords()
-    with folder(out), reporting_files(f"{name} of {names_of(files)}") as made:
+    with folder(out), reporting_files(f"{name} of {names_of(files)}") as written:
         with warnings.catch_warnings():
             warnings.simplefilter("always", RecordWarning)
             record = read_lab(files if len(files) > 1 else files[0], **keywords)
         result = evaluate(record)
-        made += _write_all(result, out, name, dim)
+        written += _write_all(result, out, name, dim)
     if json:
         print_json(document(result, None))
     else:

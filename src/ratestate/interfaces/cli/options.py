@@ -60,8 +60,8 @@ class Reading(FileReading):
 
     def keywords(self) -> dict[str, Any]:
         """Return keywords of `read_lab` for the options that are given."""
-        own = {"max_rows": self.max_rows, "join": None if self.join == "auto" else self.join}
-        given = {name: value for name, value in own.items() if value is not None}
+        options = {"max_rows": self.max_rows, "join": None if self.join == "auto" else self.join}
+        given = {name: value for name, value in options.items() if value is not None}
         return super().keywords() | given
 
 
@@ -116,15 +116,15 @@ def laws_of(
 
     Raises `typer.BadParameter` for an unknown law, and if --law lacks the law of the file.
     """
-    own = register_file(law_file)
+    of_file = register_file(law_file)
     names = tuple(dict.fromkeys(map(_law_of, texts)))
-    if own and names and own not in names:
+    if of_file and names and of_file not in names:
         raise typer.BadParameter(
-            f"{', '.join(map(repr, names))}: the law of {law_file} is {own!r}. Add it to "
+            f"{', '.join(map(repr, names))}: the law of {law_file} is {of_file!r}. Add it to "
             f"--law, or leave --law out",
             param_hint="'--law'",
         )
-    return names or ((own,) if own else tuple(defaults))
+    return names or ((of_file,) if of_file else tuple(defaults))
 
 
 def register_file(law_file: Path | None) -> str:

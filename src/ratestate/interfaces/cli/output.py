@@ -52,9 +52,9 @@ def print_json(value: Any) -> None:
 def _json_value(value: Any) -> Any:
     """Return a value converted to types that JSON has."""
     if isinstance(value, dict):
-        return {str(key): _json_value(one) for key, one in value.items()}
+        return {str(key): _json_value(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_json_value(one) for one in value]
+        return [_json_value(item) for item in value]
     if isinstance(value, complex):
         return [_json_value(value.real), _json_value(value.imag)]
     if hasattr(value, "tolist"):  # of NumPy
@@ -64,15 +64,15 @@ def _json_value(value: Any) -> Any:
     return value
 
 
-def print_rich(*what: Any) -> None:
+def print_rich(*items: Any) -> None:
     """Print tables and styled text of rich's."""
     from rich.text import Text
 
     console = _console()
     with console.capture() as text:
-        for one in what:
+        for item in items:
             # (text that goes to a file is not wrapped)
-            console.print(one, soft_wrap=isinstance(one, Text) and not console.is_terminal)
+            console.print(item, soft_wrap=isinstance(item, Text) and not console.is_terminal)
     print_line(text.get().rstrip("\n"))
 
 
@@ -115,22 +115,22 @@ def names_of(files: Iterable[Path]) -> str:
 @contextlib.contextmanager
 def folder(out: Path | None) -> Iterator[None]:
     """A folder as by `make_writable`, if any; what was made of it goes if nothing is written."""
-    made = [one for one in (out, *out.parents) if not one.exists()] if out else []
+    new_folders = [path for path in (out, *out.parents) if not path.exists()] if out else []
     try:
         if out:
             make_writable(out)
         yield
     finally:
-        for one in made:
+        for path in new_folders:
             with contextlib.suppress(OSError):  # it has files
-                one.rmdir()
+                path.rmdir()
 
 
 @contextlib.contextmanager
-def reporting_files(what: str) -> Iterator[list[Path]]:
+def reporting_files(task: str) -> Iterator[list[Path]]:
     """Report on stderr what is being made; if that succeeds, then the time and the files listed."""
     stderr = _console(stderr=True)
-    stderr.print(f"[bold]{what}[/bold] ...")
+    stderr.print(f"[bold]{task}[/bold] ...")
     begin, files = time.monotonic(), list[Path]()
     yield files
     stderr.print(f"  {time.monotonic() - begin:.1f} s", style="dim")

@@ -9,7 +9,7 @@ from ...paper.figures import FIGURES, LAWS
 from .options import laws_of, own_values
 from .output import make_writable, print_json, print_rich, reporting_files
 
-OUT = Path("figures")
+FOLDER = Path("figures")
 
 
 def figures(
@@ -17,7 +17,7 @@ def figures(
     *,
     law: str | None = None,
     law_file: Path | None = None,
-    out: Path = OUT,
+    out: Path = FOLDER,
     no_titles: bool = False,
     json: bool = False,
 ) -> None:
@@ -28,9 +28,9 @@ def figures(
     Example: ratestate figures 2 4 --out figures
     """
     (law,) = laws_of([law] if law else [], law_file, LAWS[:1])
-    if own := friction_law(law).parameters:
+    if needed := friction_law(law).parameters:
         raise typer.BadParameter(
-            f"{law!r} needs {', '.join(own)}, which the paper does not give", param_hint="--law"
+            f"{law!r} needs {', '.join(needed)}, which the paper does not give", param_hint="--law"
         )
     names = which or ["all"]
     if unknown := [name for name in names if name not in [*FIGURES, "all"]]:
@@ -44,14 +44,14 @@ def figures(
     files, rows = list[Path](), None
     for key, figure in FIGURES.items():
         if "all" in names or key in names:
-            with reporting_files(f"{figure.name}, {law} law") as made:
-                made += make(key, law, out, title=not no_titles)
-            files += made
+            with reporting_files(f"{figure.name}, {law} law") as written:
+                written += make(key, law, out, title=not no_titles)
+            files += written
     if "all" in names:
-        with reporting_files(f"claims, {law} law") as made:
+        with reporting_files(f"claims, {law} law") as written:
             rows = claims_table.claims(law)
-            made += claims_table.write(rows, law, out)
-        files += made
+            written += claims_table.write(rows, law, out)
+        files += written
     if json:
         checked = {} if rows is None else claims_table.record(rows, law)
         print_json({"files": [str(path) for path in files], **checked})
@@ -66,7 +66,7 @@ def atlas(
     law_file: Path | None = None,
     of_law: list[str] | None = None,
     n: int = 200,
-    out: Path = OUT,
+    out: Path = FOLDER,
     json: bool = False,
 ) -> None:
     """Map the regimes of any spring-slider against its stiffness and speed.
@@ -78,18 +78,18 @@ def atlas(
     Example: ratestate atlas --b-over-a 1.6 --out figures
     """
     laws = laws_of([law] if law else [], law_file, LAWS)
-    own = own_parameters(map(friction_law, laws))
+    symbols = own_parameters(map(friction_law, laws))
     try:
-        values = {symbol: float(x) for symbol, x in own_values(of_law, [*own, "M"]).items()}
+        values = {symbol: float(x) for symbol, x in own_values(of_law, [*symbols, "M"]).items()}
     except ValueError as error:
         raise typer.BadParameter(f"{error}: give plain numbers", param_hint="--set") from None
     make_writable(out)
     from ...paper.atlas_figure import make
 
     files = list[Path]()
-    for each in laws:
-        with reporting_files(f"atlas, {each} law, b/a = {b_over_a:g}") as made:
-            made += make(each, out, b_over_a=b_over_a, n=n, **values)
-        files += made
+    for name in laws:
+        with reporting_files(f"atlas, {name} law, b/a = {b_over_a:g}") as written:
+            written += make(name, out, b_over_a=b_over_a, n=n, **values)
+        files += written
     if json:
         print_json({"files": [str(path) for path in files]})

@@ -79,8 +79,8 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
             f"{report} exists, is not a report of ratestate fit, and is not replaced",
             "Give another folder with --out.",
         )
-    what = f"fit of {request.names}, {law_names(request.laws)}"
-    with folder(out), reporting_files(what) as files:
+    task = f"fit of {request.names}, {law_names(request.laws)}"
+    with folder(out), reporting_files(task) as files:
         with warnings.catch_warnings():
             # both are printed with the result
             warnings.simplefilter("ignore", FitWarning)
@@ -128,7 +128,7 @@ def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
     K = STIFFNESS * constant_in_si("sigma", given["sigma"])
     # of several laws the one that has the parameters of all, if any does
     law = max(map(friction_law, request.laws), key=lambda law: len(law.parameters))
-    examples = {symbol: own.example.strip("'") for symbol, own in law.parameters.items()}
+    examples = {symbol: spec.example.strip("'") for symbol, spec in law.parameters.items()}
     guesses = {symbol: value for symbol, value in examples.items() if value}
     slider = SpringSlider(**{**STARTS, **guesses, "K": K, **given}, law=law.name)
     free = checked_free(request.fitting["free"], sliders_under(slider, request.laws))
@@ -148,7 +148,7 @@ def markdown(
 ) -> str:
     """Return the whole report; both Datasets must have the attributes of their functions."""
     time, columns = record["time"].values, json.loads(record.attrs["columns"]).items()
-    rows = [[name, one["title"], one["unit"].removeprefix("1")] for name, one in columns]
+    rows = [[name, column["title"], column["unit"].removeprefix("1")] for name, column in columns]
     heads = [left(head) for head in ("", "column", "unit")]
     kind = "steps" if has_steps(result) else "whole"
     text = SENTENCES(
@@ -162,14 +162,14 @@ def markdown(
         columns=TextTable(heads, rows).markdown(),
         picture=SENTENCES(f"{kind}.picture"),
         files=SENTENCES(f"{kind}.files"),
-        further=_further(request, record, result),
+        further=_python_lines(request, record, result),
         versions=", ".join(map(" ".join, json.loads(result.attrs["versions"]).items())),
         **_python(request, slider),
     )
     return re.sub("\n{3,}", "\n\n", text)  # without the gaps that empty parts leave
 
 
-def _further(request: FitRequest, record: xarray.Dataset, result: xarray.Dataset) -> str:
+def _python_lines(request: FitRequest, record: xarray.Dataset, result: xarray.Dataset) -> str:
     """Return the Python lines that go on with the best law; "" after fits of steps."""
     if has_steps(result):
         return ""

@@ -34,7 +34,7 @@ def load_scenario(file: Path, function: str | None, law_file: Path | None) -> Sc
     return scenarios.loads(text, function, name="standard input", law_file=law_file)
 
 
-def do(scenario: Scenario, outputs: Outputs, units: dict[str, str]) -> None:
+def run_and_report(scenario: Scenario, outputs: Outputs, units: dict[str, str]) -> None:
     """Run a scenario, print the result, and write the requested files.
 
     Raises `typer.Exit` with code 3 after a part of a branch, or if cases failed; with code 2 after
@@ -146,10 +146,10 @@ def in_numbers(result: xarray.Dataset, units: dict[str, str] | None) -> xarray.D
     """
     numbers = result.assign(whole_contact(result).data_vars)
     wanted = units or {}
-    there = {k: unit for k, unit in wanted.items() if find_variable(numbers, k) is not None}
-    if absent := [name for name in wanted if name not in there]:
+    found = {k: unit for k, unit in wanted.items() if find_variable(numbers, k) is not None}
+    if absent := [name for name in wanted if name not in found]:
         print_line(f"--units: this result has no {', '.join(absent)}", err=True)
-    return in_units(numbers, **there)
+    return in_units(numbers, **found)
 
 
 def write_numbers(numbers: xarray.Dataset, output: Output) -> None:

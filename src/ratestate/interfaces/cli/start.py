@@ -21,23 +21,23 @@ def init(kind: str = "lab", *, out: Path | None = None, listing: bool = False) -
     """
     if listing:
         width = max(map(len, templates.TEMPLATES))
-        for each in templates.TEMPLATES:
-            print_line(f"{each:{width}}  {templates.description(each)}")
+        for name in templates.TEMPLATES:
+            print_line(f"{name:{width}}  {templates.description(name)}")
         return
     texts = templates.files_of(kind)
-    own = f"{kind}.toml"
+    template_file = f"{kind}.toml"
     if out == Path("-"):
-        print_line(texts[own].rstrip("\n"))
+        print_line(texts[template_file].rstrip("\n"))
         return
-    path = (out or Path(own)).expanduser()
+    path = (out or Path(template_file)).expanduser()
     if path.suffix.lower() != ".toml":
         raise typer.BadParameter(f"{str(path)!r} does not end in .toml", param_hint="--out")
-    places = {file: path if file == own else path.with_name(file) for file in texts}
+    places = {file: path if file == template_file else path.with_name(file) for file in texts}
     _write({places[file]: text for file, text in texts.items()})
     print_line(f"wrote {' and '.join(map(str, places.values()))}\nNext:")
     for line in templates.commands(kind):
-        for file, place in places.items():
-            line = line.replace(f" {file}", f" {shlex.quote(str(place))}")
+        for file, path_of_file in places.items():
+            line = line.replace(f" {file}", f" {shlex.quote(str(path_of_file))}")
         print_line(f"  {line}")
 
 
@@ -50,13 +50,13 @@ def _write(texts: dict[Path, str]) -> None:
             other = "name" if path.suffix.lower() == ".toml" else "folder"
             raise ParameterError(f"{path} exists", f"Give another {other} with --out.")
     places = {checked_path(path, (path.suffix.lower(),)): text for path, text in texts.items()}
-    made = list[Path]()
+    written = list[Path]()
     try:
         for path, text in places.items():
             replace(path, lambda partial, text=text: partial.write_text(text, "utf-8"))
-            made.append(path)
+            written.append(path)
     except BaseException:
-        for path in made:
+        for path in written:
             path.unlink()
         raise
 

@@ -69,10 +69,10 @@ def sweep(
         scenario = load_scenario(file, None, outputs.law_file)
         output = output_paths(scenario, outputs.out, outputs.plot)
         with _client(scheduler) as client:
-            how: dict[str, Any] = {"client": client, "slurm": slurm, "chunk": chunk}
-            how |= {"device": device, **scenario.settings}
+            settings: dict[str, Any] = {"client": client, "slurm": slurm, "chunk": chunk}
+            settings |= {"device": device, "progress": True, **scenario.settings}
             try:
-                result = run(scenario.function, scenario.slider, store=store, progress=True, **how)
+                result = run(scenario.function, scenario.slider, store=store, **settings)
                 number = print_outcome(store, result, outputs.json)
                 write_numbers(in_numbers(result, own_units), output)
                 draw_plot(result, output)
@@ -107,13 +107,13 @@ def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
     if json:
         failed, _ = failures(result, most=status.failed)
         names = ("at", "status", "message")
-        _print_json(status, failures=[dict(zip(names, one, strict=True)) for one in failed])
+        _print_json(status, failures=[dict(zip(names, values, strict=True)) for values in failed])
     else:
         units = shown_units(result)
         outside = outside_lines(result, "cases", units)
         ends = outcomes(result["status"].values, status.function)
-        none = "" if status.failed else ", 0 failed"
-        lines = [f"{status.cases:,} cases in {store}: {ends}{none}", *outside]
+        failed_text = "" if status.failed else ", 0 failed"
+        lines = [f"{status.cases:,} cases in {store}: {ends}{failed_text}", *outside]
         print_line("\n".join([*lines, *(failed_lines(result, units) if status.failed else [])]))
     return status.failed
 
@@ -135,8 +135,8 @@ def print_status(
     else:
         rows = _rows(status)
         if file:
-            asks = "another sweep:" if differences else "this very sweep"
-            rows["file"] = f"{file} asks for {asks}"
+            request = "another sweep:" if differences else "this very sweep"
+            rows["file"] = f"{file} asks for {request}"
         lines = [f"{label:<9} {text}" for label, text in rows.items()]
         print_line("\n".join([*lines, *(f"  {line}" for line in differences)]))
     if status.flaws:

@@ -20,7 +20,7 @@ from ...scenario import Scenario
 
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 # Relative difference of amplitudes beyond which a run has not reached the verdict's motion.
-FAR = 0.05
+MAX_DIFFERENCE = 0.05
 # Relative change of speed up to which a run has stayed on steady sliding.
 UNCHANGED = 1e-6
 
@@ -48,16 +48,16 @@ def verdict_text(scenario: Scenario, result: xarray.Dataset) -> VerdictText | No
     if V_lp is None:
         return None
     attractor = verdict(loading.slider_at(math.inf, slider), V_lp)
-    stress = _which_stress(loading, attractor.slider, slider)
+    stress = _stress_text(loading, attractor.slider, slider)
     if loading.mean_speed is None and not loading.stress_oscillates:
-        return _on_attractor(attractor, *_not_reached(attractor, result), stress=stress)
+        return _on_attractor(attractor, *_notes_on_end(attractor, result), stress=stress)
     # the motion under a speed or a normal stress that goes on varying is unknown
     name = "about.steady_sliding" if loading.mean_speed is None else "about.mean_speed"
     about = SENTENCES(name, V_lp=V_lp, stress=stress)
     return VerdictText(about, None, "\n".join(attractor.of_steady_sliding))
 
 
-def _which_stress(loading: Loading, last: SpringSlider, first: SpringSlider) -> str:
+def _stress_text(loading: Loading, last: SpringSlider, first: SpringSlider) -> str:
     """Which normal stress the verdict is about; "" where it is the one of the beginning."""
     if loading.stress_oscillates:
         return SENTENCES("about.mean_stress", sigma=of_contact("sigma", last.sigma, last.area))
@@ -83,18 +83,18 @@ def _on_attractor(verdict: Verdict, *more: str, stress: str = "") -> VerdictText
     return VerdictText(about, verdict.regime, "\n".join([verdict.text, *more]))
 
 
-def _not_reached(verdict: Verdict, result: xarray.Dataset) -> list[str]:
+def _notes_on_end(verdict: Verdict, result: xarray.Dataset) -> list[str]:
     """A note where a run did not end in the verdict's motion: another start, or too little time."""
     # a run's amplitude is over the slider's own sigma, the verdict's over the last
     amplitude = float(result.amplitude) * (parameter(result, "sigma") / verdict.slider.sigma)
     expected = verdict.amplitude
     if expected is None:
-        far = verdict.regime == RUNAWAY and int(result.status) == FINISHED
+        is_far = verdict.regime == RUNAWAY and int(result.status) == FINISHED
     elif int(result.status) == RAN_AWAY:
         return [SENTENCES("run.runaway")]
     else:
-        far = abs(amplitude - expected) > FAR * max(amplitude, expected)
-    if not far:
+        is_far = abs(amplitude - expected) > MAX_DIFFERENCE * max(amplitude, expected)
+    if not is_far:
         return []
     if not verdict.stable and float(result.V_max) <= (1.0 + UNCHANGED) * float(result.V_min):
         start = OTHER_START * verdict.V_lp

@@ -11,7 +11,7 @@ from .fits import fit_figure
 from .laboratory import healing_figure, machine_figure
 from .linear import response_figure, stability_figure
 from .run import cycle_figure, run_figure, runs_figure
-from .sweeps import FEW, sweep_figure
+from .sweeps import MAX_LINES, sweep_figure
 
 #: function -> figure of a single slider's result
 OF_SLIDER = {
@@ -29,9 +29,9 @@ OF_RECORD = {
     "machine_stiffness": machine_figure,
 }
 #: function whose figure shows no sweep -> what it shows
-ONE = {"continue_cycle": "branch", "frequency_response": "slider's response"}
+SINGLE = {"continue_cycle": "branch", "frequency_response": "slider's response"}
 #: dimensions of results that are no axes of a sweep
-OWN = ("time", "segment", "mode", "multiplier", "point", "frequency")
+OTHER_DIMS = ("time", "segment", "mode", "multiplier", "point", "frequency")
 
 
 def figure(result, *, title=True):
@@ -81,10 +81,10 @@ def _figure(result):
             "Give such a result.",
         )
     result = in_si(result)
-    axes = [dim for dim in result.sizes if dim not in OWN]
-    if axes and function in ONE:
+    axes = [dim for dim in result.sizes if dim not in OTHER_DIMS]
+    if axes and function in SINGLE:
         raise ParameterError(
-            f"a figure shows one {ONE[function]}", f"Pick one along {axes[0]!r} with .isel."
+            f"a figure shows one {SINGLE[function]}", f"Pick one along {axes[0]!r} with .isel."
         )
     if len(axes) > 2:
         raise ParameterError(
@@ -92,7 +92,7 @@ def _figure(result):
             f"({', '.join(map(str, axes))})",
             "Pick values of the others with .sel.",
         )
-    few = len(axes) == 1 and result.sizes[axes[0]] <= FEW
+    few = len(axes) == 1 and result.sizes[axes[0]] <= MAX_LINES
     if few and result.sizes.get("time", 1) > 1 and bool(result["V"].notnull().any()):
         return runs_figure(result)
     return sweep_figure(result, function, axes) if axes else OF_SLIDER[function](result)

@@ -42,35 +42,35 @@ class Named(NamedTuple):
 @styled
 def events_figure(catalogues):
     """Draw the figure of a catalogue, or of a list or dict of them: records above, lines below."""
-    named = _named(catalogues)
-    loaded = any(bool(one.data.recurrence.notnull().any()) for one in named)
+    named = _checked_catalogues(catalogues)
+    loaded = any(bool(catalogue.data.recurrence.notnull().any()) for catalogue in named)
     heights = [RECORD * len(named) + 0.3, *([BELOW + 0.3] if loaded else [])]
-    what = named[0].name if len(named) == 1 else f"{len(named)} catalogues"
-    fig = blank_figure(sum(heights) + 0.3, f"Stick-slip of {what}")
+    subject = named[0].name if len(named) == 1 else f"{len(named)} catalogues"
+    fig = blank_figure(sum(heights) + 0.3, f"Stick-slip of {subject}")
     top, *below = fig.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
     records = top.subplots(len(named), 1, squeeze=False)[:, 0]
-    for one, ax in zip(named, records, strict=True):
-        _record(one, ax)
-    letters(records, *(_heading(one, len(named) > 1) for one in named))
+    for catalogue, ax in zip(named, records, strict=True):
+        _record(catalogue, ax)
+    letters(records, *(_heading(catalogue, len(named) > 1) for catalogue in named))
     for part in below:
         _lines(named, part)
     return fig
 
 
-def _heading(one, several):
-    name = f"{one.name}: " if several else ""
+def _heading(catalogue, is_named):
+    name = f"{catalogue.name}: " if is_named else ""
     marks = "\N{WHITE DOWN-POINTING TRIANGLE} peaks, \N{WHITE UP-POINTING TRIANGLE} troughs"
-    if (one.data.event_status == SEVERAL).any():
+    if (catalogue.data.event_status == SEVERAL).any():
         marks += ", \N{MULTIPLICATION SIGN} several events in one fall"
-    return f"{name}{one.data.sizes['event']} events ({marks})"
+    return f"{name}{catalogue.data.sizes['event']} events ({marks})"
 
 
 def _lines(named, part):
-    V_lp = np.concatenate([one.data.V_lp.values for one in named])
+    V_lp = np.concatenate([catalogue.data.V_lp.values for catalogue in named])
     varies = np.nanmax(V_lp) > VARIES * np.nanmin(V_lp)
     shown = ABSCISSAE if varies else ("recurrence",)
     axes = part.subplots(1, len(shown), sharey=True, squeeze=False)[0]
-    drops = np.concatenate([one.data.stress_drop.values for one in named])
+    drops = np.concatenate([catalogue.data.stress_drop.values for catalogue in named])
     largest = float(drops[np.isfinite(drops)].max(initial=0.0))
     factor, unit = prefixed("Pa", largest or 1.0)
     for abscissa, ax in zip(shown, axes, strict=True):
@@ -81,7 +81,7 @@ def _lines(named, part):
     letters(axes, *texts, first=chr(ord("a") + len(named)))
 
 
-def _named(catalogues):
+def _checked_catalogues(catalogues):
     """list of `Named`; ParameterError for anything else, none, or more than have looks."""
     if isinstance(catalogues, xarray.Dataset):
         catalogues = [catalogues]
@@ -104,18 +104,18 @@ def _name(data):
     return str(data.attrs.get("source") or ("simulated" if is_simulated else "measured"))
 
 
-def _record(one, ax):
-    data = one.data
+def _record(catalogue, ax):
+    data = catalogue.data
     factor, unit = prefixed("Pa", float(np.abs(data.tau).max()))
     in_time, time_unit = prefixed("s", float(np.abs(data.time).max()))
     ax.plot(in_time * data.time, factor * data.tau, color="0.45", lw=0.6, zorder=1)
     for edge, level, mark in (("start", "tau_max", "v"), ("end", "tau_min", "^")):
         x, y = in_time * data[f"event_{edge}"], factor * data[level]
-        look = {"color": one.color, "ms": 3.5, "mew": 0.7, "mfc": "none", "ls": ""}
+        look = {"color": catalogue.color, "ms": 3.5, "mew": 0.7, "mfc": "none", "ls": ""}
         ax.plot(x, y, mark, **look, zorder=3)
-    several = data.isel(event=data.event_status.values == SEVERAL)
-    middle = 0.5 * factor * (several.tau_max + several.tau_min)
-    ax.plot(in_time * several.event_time, middle, "x", color=one.color, ms=5, zorder=3)
+    merged = data.isel(event=data.event_status.values == SEVERAL)
+    middle = 0.5 * factor * (merged.tau_max + merged.tau_min)
+    ax.plot(in_time * merged.event_time, middle, "x", color=catalogue.color, ms=5, zorder=3)
     ax.margins(x=0.01)
     ax.set(xlabel=in_unit("Time", time_unit), ylabel=in_unit(r"$\tau$", unit))
 
@@ -123,23 +123,24 @@ def _record(one, ax):
 def _drops(named, ax, abscissa, factor, stress):
     """Stress drops with their errors against an abscissa, and the lines through them."""
     x_name, si = ABSCISSAE[abscissa]
-    values = np.concatenate([one.data[abscissa].values for one in named])
+    values = np.concatenate([catalogue.data[abscissa].values for catalogue in named])
     values = values[np.isfinite(values) & (values > 0.0)]
     in_x, unit = prefixed(si, float(values.max(initial=0.0)) or 1.0)
-    for one in named:
-        loaded = np.isin(one.data.event_status, (0, 4)) & one.data.recurrence.notnull().values
-        data, line = one.data.isel(event=loaded), one.data.sel(abscissa=abscissa)
+    for catalogue in named:
+        events, style = catalogue.data, catalogue.style
+        loaded = np.isin(events.event_status, (0, 4)) & events.recurrence.notnull().values
+        data, line = events.isel(event=loaded), events.sel(abscissa=abscissa)
         x, y = in_x * data[abscissa].values, factor * data.stress_drop.values
         error = factor * data.stress_drop_error.values
-        name = one.name if len(named) > 1 else ""
+        name = catalogue.name if len(named) > 1 else ""
         if np.isfinite(line.trend_B):
             ends = np.geomspace(np.nanmin(x), np.nanmax(x), POINTS)
             fitted = float(line.trend_A) + float(line.trend_B) * np.log10(ends / in_x)
-            ax.plot(ends, factor * fitted, color=one.color, lw=1.0)
+            ax.plot(ends, factor * fitted, color=catalogue.color, lw=1.0)
             name += ": " if name else ""
             name += f"{_slope(line, factor)} {stress} a decade"
         x_error = in_x * data[f"{abscissa}_error"].values
-        ax.errorbar(x, y, error, x_error, **one.style, ls="", elinewidth=0.7, label=name or None)
+        ax.errorbar(x, y, error, x_error, **style, ls="", elinewidth=0.7, label=name or None)
     if values.size and values.max() > LOGARITHMIC * values.min():
         ax.set_xscale("log")
         plain_ticks(ax.xaxis, in_x * values)

@@ -32,20 +32,20 @@ ROW, SIZE, MARGIN = 0.17, 7.5, 0.25
 GAP, BOLD = 8.0, 1.12
 
 
-def framed(result, laws, height):
+def titled_figure(result, laws, height):
     """(Figure with its title, list of its empty parts: panels, likelihoods if any, estimates).
 
     height : of the panels [inches]
     """
     middle = [LIKELIHOOD] if non_gaussian(result) else []
     heights = [height + LABELS, *middle, ROW * (1 + len(laws))]
-    own = own_parameters(map(friction_law, laws))
-    symbols = " ".join(s for s in (*"sigma M a b Dc K V0".split(), *own) if s not in result)
+    extra = own_parameters(map(friction_law, laws))
+    symbols = " ".join(s for s in (*"sigma M a b Dc K V0".split(), *extra) if s not in result)
     source = attribute_text(result, "source", "")
-    which = f"the {law_names(laws)}" if len(laws) <= NAMED else f"{len(laws)} friction laws"
+    law_text = f"the {law_names(laws)}" if len(laws) <= NAMED else f"{len(laws)} friction laws"
     title = (
         f"Fit of {source + ', ' if source else ''}{result.sizes['time']:,} samples of friction, "
-        f"under {which}"
+        f"under {law_text}"
     )
     fig = figure(result, sum(heights) + TITLE, symbols, title=title)
     return fig, list(fig.subfigures(len(heights), 1, height_ratios=heights))
@@ -80,16 +80,16 @@ def non_gaussian(result):
     Empty if there is no profile or posterior of any, under any law.
     """
     laws = results_by_law(result)
-    free = {s: _those_with(laws, s).values() for s in estimated_symbols(laws) if s not in DERIVED}
-    drawn = (_profile(p, s) or _samples(p, s) is not None for s, has in free.items() for p in has)
+    free = {s: _laws_with(laws, s).values() for s in estimated_symbols(laws) if s not in DERIVED}
+    drawn = (_profile(p, s) or _samples(p, s) is not None for s, fits in free.items() for p in fits)
     if not any(drawn):
         return []
     return [
-        s for s, has in free.items() if all(np.isfinite(_standard_error(part, s)) for part in has)
+        s for s, fits in free.items() if all(np.isfinite(_standard_error(part, s)) for part in fits)
     ]
 
 
-def _those_with(laws, symbol):
+def _laws_with(laws, symbol):
     return {law: part for law, part in laws.items() if symbol in part["parameter"].values}
 
 
@@ -99,7 +99,7 @@ def _standard_error(part, symbol):
 
 def likelihood(result, symbol, ax):
     """Draw a parameter's likelihood as a line (profile, or else Gaussian), a posterior filled."""
-    laws = _those_with(results_by_law(result), symbol)
+    laws = _laws_with(results_by_law(result), symbol)
     largest = max(abs(float(part[symbol])) for part in laws.values())
     factor, unit = scaled(symbol, largest)
     for law, part in laws.items():
@@ -153,8 +153,8 @@ def write_estimates(result, ax):
     Beside them K/K_c_qs, unless K = inf, and a measure of the misfit.  `result` is not checked.
     """
     laws = results_by_law(result)
-    shown = [one for one in estimates(laws, scaled) if one.symbol not in (*TRENDS, "K/sigma")]
-    columns = [(in_unit(_heading(one.symbol, laws), one.unit), _cells(one)) for one in shown]
+    shown = [row for row in estimates(laws, scaled) if row.symbol not in (*TRENDS, "K/sigma")]
+    columns = [(in_unit(_heading(row.symbol, laws), row.unit), _cells(row)) for row in shown]
     if "aic" not in result:
         columns.append((r"$\chi^2$", [short(float(part["chi2"])) for part in laws.values()]))
     elif len(laws) == 1:
@@ -170,14 +170,14 @@ def write(ax, laws, columns):
     """Write a table with rules; columns : (heading, a cell for each law).  It shrinks to fit."""
     ax.set_axis_off()
     ax.set(xlim=(0.0, 1.0), ylim=(len(laws) + 1.0, 0.0))
-    wide = [text_width(f"{max(laws, key=len)} law", SIZE) * BOLD]
-    wide += [
+    widths = [text_width(f"{max(laws, key=len)} law", SIZE) * BOLD]
+    widths += [
         GAP + max(text_width(cell, SIZE) for cell in (heading, *cells))
         for heading, cells in columns
     ]
-    right, room = np.cumsum(wide), (ax.get_figure(root=True).get_figwidth() - MARGIN) * 72.0
+    right, room = np.cumsum(widths), (ax.get_figure(root=True).get_figwidth() - MARGIN) * 72.0
     at = {"va": "center", "fontsize": SIZE * min(room / right[-1], 1.0)}
-    right += max(room - right[-1], 0.0) / len(columns) * np.arange(len(wide))
+    right += max(room - right[-1], 0.0) / len(columns) * np.arange(len(widths))
     right /= right[-1]
     for y in (0.0, 1.0, len(laws) + 1.0):
         ax.plot([0.0, 1.0], [y, y], color="k", lw=0.5 if y == 1.0 else 0.8, clip_on=False)

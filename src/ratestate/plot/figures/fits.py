@@ -5,21 +5,21 @@ import numpy as np
 from ...errors import ParameterError
 from ...model.conversion import in_si
 from ...records.fitting.by_law import checked_by_law, has_steps, law_of, value_of
-from ..curves import WHOLE, curves, marks, normal_95, record_of, residuals
+from ..curves import ALL_ROWS, curves, marks, normal_95, record_of, residuals
 from ..labels import LAWS
 from ..layout import letters, styled
-from .fit_parts import finished, framed, legend
+from .fit_parts import finished, legend, titled_figure
 from .steps import steps_figure
 
 #: close-ups: how many at most, the fewest samples, what is before a step over what is after it
-MOST, FEWEST, BEFORE = 3, 12, 0.3
+MAX_CLOSE_UPS, FEWEST, PART_BEFORE = 3, 12, 0.3
 #: what is after it: over the longest Dc, and over the displacement that loads the spring by the
 #: direct effect
 AFTER, LOADING = 6.0, 2.0
 #: speed of slip after a hold over that of the load point, for want of a better one
 QUIET = 1e-4
 #: part of the record from which on a close-up shows nothing new
-NEARLY_ALL = 0.7
+MAX_PART = 0.7
 #: heights [inches] of a record and of residuals
 RECORD, RESIDUAL = 2.0, 0.62
 #: cycles seen from close by
@@ -81,11 +81,11 @@ def fit_figure(result, x=None):
         return cycles_figure(result)
     record = record_of(result, x)
     laws, close = [*record.laws], _close_ups(record)
-    rows, heights = _rows(laws, [*close])
-    fig, (top, *below) = framed(result, laws, sum(heights))
+    rows, heights = _mosaic_rows(laws, [*close])
+    fig, (top, *below) = titled_figure(result, laws, sum(heights))
     ratios = [1.25, 1.0] if len(close) == 1 else None
     axes = top.subplot_mosaic(rows, height_ratios=heights, width_ratios=ratios)
-    views = {"record": WHOLE} | close
+    views = {"record": ALL_ROWS} | close
     for name, samples in views.items():
         curves(record, axes[name], samples)
         marks(record, axes[name], named=name == "record")
@@ -108,7 +108,7 @@ def fit_figure(result, x=None):
     return fig
 
 
-def _rows(laws, close):
+def _mosaic_rows(laws, close):
     """Names of the panels as a mosaic (record, LAW record for residuals, close-ups); heights."""
     rows = [["record"], *([f"{law} record"] for law in laws)]
     heights = [RECORD] + [RESIDUAL] * len(laws)
@@ -126,17 +126,17 @@ def _close_ups(record):
     for i, change in enumerate(record.changes, start=1):
         if change.V == 0.0:
             continue
-        reach = max(_reach(part, change) for part in record.laws.values())
-        here = record.at(change.start)
+        reach = max(_length_of_step(part, change) for part in record.laws.values())
+        start = record.at(change.start)
         high = record.at(min(change.end, change.start + reach / change.V))
-        low = max(record.at(change.previous), here - BEFORE * (high - here))
+        low = max(record.at(change.previous), start - PART_BEFORE * (high - start))
         rows = slice(*np.searchsorted(record.values, (low, high)))
-        if rows.stop - rows.start >= FEWEST and high - low < NEARLY_ALL * record.values[-1]:
-            views[f"{change.text(whole=True)} ({i})"] = rows
-    return dict(list(views.items())[:MOST])
+        if rows.stop - rows.start >= FEWEST and high - low < MAX_PART * record.values[-1]:
+            views[f"{change.text(with_duration=True)} ({i})"] = rows
+    return dict(list(views.items())[:MAX_CLOSE_UPS])
 
 
-def _reach(part, change):
+def _length_of_step(part, change):
     """Displacement [m] in which a step is over: the spring loads, and the state evolves."""
     a, K, sigma = (value_of(part, symbol) for symbol in ("a", "K", "sigma"))
     longest = max(value_of(part, symbol) for symbol in law_of(part).lengths)
@@ -159,7 +159,7 @@ def cycles_figure(result):
     """Draw the figure of a fit against cycles."""
     record = record_of(result, "time")
     laws, t = record.laws, record.t
-    fig, (top, *below) = framed(result, laws, sum(HEIGHTS))
+    fig, (top, *below) = titled_figure(result, laws, sum(HEIGHTS))
     axes = top.subplot_mosaic([["a", "a"], ["b", "c"]], height_ratios=HEIGHTS)
     curves(record, axes["a"])
     legend(axes["a"], laws, band=False)
@@ -178,10 +178,10 @@ def _features(ax, laws):
     at = np.arange(len(names))
     normal_95(ax)
     for i, (law, part) in enumerate(laws.items()):
-        off = ((part["fitted"] - part["measured"]) / part["measured_error"]).where(part["used"])
+        error = ((part["fitted"] - part["measured"]) / part["measured_error"]).where(part["used"])
         color = LAWS[law].color
         shift = 0.2 * (i - 0.5 * (len(laws) - 1))
-        for j, row in enumerate(off.transpose("segment", "feature").values):
+        for j, row in enumerate(error.transpose("segment", "feature").values):
             style = {"color": color, "mfc": "w" if j else color, "ms": 4, "ls": ""}
             ax.plot(at + shift, row, MARKERS[j % len(MARKERS)], **style)
     ax.set_xticks(at, names)

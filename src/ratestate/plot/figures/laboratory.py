@@ -5,7 +5,7 @@ import numpy as np
 from ...dynamics.recipe import attribute_text
 from ...model.quantities import power_of
 from ...records.machine.machine_stiffness import estimate, value_with_unit
-from ..curves import WHOLE, scatter
+from ..curves import ALL_ROWS, scatter
 from ..labels import BLUE, DASHED, GRAY, LAWS, RED, prefixed
 from ..layout import ABOVE, figure, letters, plain_ticks, styled
 
@@ -20,7 +20,7 @@ RATES = {"delta_mu": ("beta", r"\beta"), "delta_mu_c": ("beta_c", r"\beta_c")}
 SHADES = ("0.93", "#e4ecff")
 MILLI = 1e3
 #: slopes and ring-downs that are drawn at most; parts of its length that are shown beside each
-MOST, LEFT, BESIDE = 4, 0.2, 0.5
+MAX_PANELS, PART_BEFORE, PART_AFTER = 4, 0.2, 0.5
 #: rows from one to the next of one fitted curve, at most
 GAP = 2
 #: dimension -> what is drawn along it, and the variable whose error decides how much each weighs
@@ -46,16 +46,16 @@ def _record(result, ax):
     t = result["time"].values
     factor, unit = prefixed("s", float(t[-1] - t[0]))
     at = factor * (t - t[0])
-    scatter(ax, at, result["friction"].values, WHOLE, "0.45", "_")
+    scatter(ax, at, result["friction"].values, ALL_ROWS, "0.45", "_")
     start = factor * (result["hold_start"].values - t[0])
-    lasts, is_found = factor * result["t_hold"].values, result["hold_status"].values == 0
-    for left, width, known in zip(start, lasts, is_found, strict=True):
+    durations, is_found = factor * result["t_hold"].values, result["hold_status"].values == 0
+    for left, width, known in zip(start, durations, is_found, strict=True):
         ax.axvspan(left, left + width, color=SHADES[int(known)], lw=0.0, zorder=0)
     peaks = factor * (result["peak_time"].values - t[0])
     look = {"ls": "", "ms": 4.0, "mfc": "none", "zorder": 5}
     ax.plot(peaks, result["friction_peak"], "^", color="C3", label="peak", **look)
     ax.plot(start, result["friction_before"], "o", color="C0", label="steady before", **look)
-    ax.plot(start + lasts, result["friction_min"], "v", color="C2", label="end of hold", **look)
+    ax.plot(start + durations, result["friction_min"], "v", color="C2", label="end of hold", **look)
     ax.plot(at, result["friction_steady"], color="C0", lw=1.0, zorder=4)
     ax.set(xlabel=f"Time since the record's start [{unit}]", ylabel=r"Friction $\tau/\sigma$")
     ax.margins(x=0.01)
@@ -103,16 +103,16 @@ def machine_figure(result):
         estimate(result, symbol) for symbol in ("K", "M", "damping")
     )
     chosen = {name: _heaviest(result, name) for name in DRAWN if result.sizes[name]}
-    more = _how_many(result, chosen)
-    fig = figure(result, 0.6 + 2.3 * len(chosen), symbols="", more=more, title=_typeset(title))
+    note = _count_text(result, chosen)
+    fig = figure(result, 0.6 + 2.3 * len(chosen), symbols="", more=note, title=_typeset(title))
     panels, texts = [], []
     parts = np.ravel(fig.subfigures(len(chosen), 1))
     for part, (name, rows) in zip(parts, chosen.items(), strict=True):
         axes = part.subplots(1, rows.size, squeeze=False)[0]
         for i, ax in zip(rows, axes, strict=True):
-            _one(result, name, i, ax)
+            _draw_panel(result, name, i, ax)
             panels.append(ax)
-            texts.append(_typeset(_what(result, name, i)))
+            texts.append(_typeset(_panel_title(result, name, i)))
         axes[0].set_ylabel(r"Friction $\tau/\sigma$")
     letters(panels, *texts)
     return fig
@@ -123,10 +123,10 @@ def _heaviest(result, name):
     _, variable = DRAWN[name]
     errors = result[f"{variable}_error"].values / result[variable].values
     is_out = ~result["slope_used"].values if name == "slope" else np.zeros(errors.size, bool)
-    return np.sort(np.lexsort((errors, is_out))[:MOST])
+    return np.sort(np.lexsort((errors, is_out))[:MAX_PANELS])
 
 
-def _how_many(result, chosen):
+def _count_text(result, chosen):
     """What is drawn of more slopes or ring-downs, in words."""
     parts = [
         f"{rows.size} of {result.sizes[name]} {DRAWN[name][0]}"
@@ -136,7 +136,7 @@ def _how_many(result, chosen):
     return f"Drawn are {' and '.join(parts)}, those that weigh most" if parts else ""
 
 
-def _what(result, name, i):
+def _panel_title(result, name, i):
     """What stands above a panel; stiffnesses are in the unit that fits K."""
     if name == "slope":
         kind = str(result["slope_kind"].values[i]).replace("_", " ")
@@ -156,20 +156,20 @@ def _typeset(text):
     return text.replace("+-", "\N{PLUS-MINUS SIGN}").replace("^2", "$^2$")
 
 
-def _one(result, name, i, ax):
+def _draw_panel(result, name, i, ax):
     """Draw the samples about one slope or ring-down, and its curve."""
     t, fitted = result["time"].values, result[f"{name}_friction"].values
     start = float(result[f"{name}_start"].values[i])
     known = np.flatnonzero(np.isfinite(fitted) & (t >= start))
     # (the next one's level before may follow)
     known = known[: np.append(np.flatnonzero(np.diff(known) > GAP) + 1, known.size)[0]]
-    lasts = float(t[known[-1]] - start)
-    shown = (t > start - LEFT * lasts) & (t < start + (1.0 + BESIDE) * lasts)
-    drawn = shown & np.isfinite(fitted) & (t <= t[known[-1]])
-    factor, unit = prefixed("s", lasts)
+    duration = float(t[known[-1]] - start)
+    is_shown = (t > start - PART_BEFORE * duration) & (t < start + (1.0 + PART_AFTER) * duration)
+    is_drawn = is_shown & np.isfinite(fitted) & (t <= t[known[-1]])
+    factor, unit = prefixed("s", duration)
     look = {"ls": "", "marker": ".", "ms": 2.0, "mew": 0.0, "color": "0.55", "rasterized": True}
-    ax.plot(factor * (t[shown] - start), result["friction"].values[shown], **look)
+    ax.plot(factor * (t[is_shown] - start), result["friction"].values[is_shown], **look)
     color = RED if name == "slope" else BLUE
-    ax.plot(factor * (t[drawn] - start), fitted[drawn], color=color, lw=1.2)
+    ax.plot(factor * (t[is_drawn] - start), fitted[is_drawn], color=color, lw=1.2)
     ax.axvline(0.0, color=GRAY, lw=0.7, ls=":")
     ax.set_xlabel(f"Time [{unit}]")

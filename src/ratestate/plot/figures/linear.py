@@ -28,8 +28,8 @@ def stability_figure(result):
     name = LAWS[parameter(result, "law")].name
     title = f"Steady sliding at {value_text('V_lp', V_lp)} is {stable}; {name}"
     fig = figure(result, 3.4, more="" if result.stable else _remedies(result), title=title)
-    near = [V_lp, *(x for x in (V_c, upper) if 1e-6 * V_lp < x < 1e6 * V_lp)]
-    V = np.geomspace(min(near) / 10**DECADES, max(near) * 10**DECADES, 401)
+    speeds = [V_lp, *(x for x in (V_c, upper) if 1e-6 * V_lp < x < 1e6 * V_lp)]
+    V = np.geomspace(min(speeds) / 10**DECADES, max(speeds) * 10**DECADES, 401)
     factor, speed = prefixed("m/s", V_lp)
     axes = fig.subplot_mosaic([["a", "b"], ["a", "c"]])
     for ax in axes.values():
@@ -83,10 +83,10 @@ def _map(ax, V, factor, of_K, K, V_lp, critical, speeds):
 
 def _mode(growth, frequency, V, factor, V_lp, first):
     """The growth rate against speed, over decades of either sign, and the frequency."""
-    most = np.abs(first.real).max()
-    ten = 10.0 ** np.floor(np.log10(most))
-    growth.set_yscale("asinh", linear_width=0.01 * most)
-    growth.yaxis.set_major_locator(FixedLocator([-ten, -0.1 * ten, 0.0, 0.1 * ten, ten]))
+    largest = np.abs(first.real).max()
+    decade = 10.0 ** np.floor(np.log10(largest))
+    growth.set_yscale("asinh", linear_width=0.01 * largest)
+    growth.yaxis.set_major_locator(FixedLocator(decade * np.array([-1.0, -0.1, 0.0, 0.1, 1.0])))
     growth.yaxis.set_major_formatter(FormatStrFormatter("%g"))
     growth.yaxis.set_minor_locator(NullLocator())
     growth.axhline(0.0, color=GRAY, lw=0.7)
@@ -120,7 +120,7 @@ def response_figure(result):
     scale, unit = prefixed("Hz", float(np.median(result.frequency)))
     frequency = scale * result.frequency.values
     for column, name in zip(axes.T, INPUTS, strict=True):
-        _draw(column, result, name, frequency)
+        _draw_gains(column, result, name, frequency)
         column[-1].set_xlabel(f"Frequency [{unit}]")
         if np.isfinite(resonance := float(result.resonance)):
             for ax in column:
@@ -137,7 +137,7 @@ def response_figure(result):
     return fig
 
 
-def _draw(column, result, name, frequency):
+def _draw_gains(column, result, name, frequency):
     """Gains of V, of tau and mu, and the phases, in three axes."""
     V_lp, sigma = float(result.V_lp), float(parameter(result, "sigma"))
     size = {"V_lp": V_lp, "sigma": sigma}[name]

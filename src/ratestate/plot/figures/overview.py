@@ -6,7 +6,7 @@ from matplotlib.transforms import offset_copy
 
 from ...dynamics.results import normal_stress
 from ..labels import BLUE, GRAY, label, mathematics, prefixed
-from ..layout import ABOVE, blank_figure, dress, letters, wrapped
+from ..layout import ABOVE, apply_style, blank_figure, letters, wrapped
 from ..maps import atlas
 from ..motion import trace
 from ..runs import NARROW, NamedRun, named_runs, plane, speed
@@ -52,61 +52,61 @@ def overview(run, verdict, *, orbit=None, others=(), chart=None, caption=()):
     left, right = fig.subfigures(1, 2, squeeze=False, width_ratios=[1.4, 1])[0]
     stresses, speeds = left.subplots(2, 1, sharex=True)
     phase, *maps = right.subplots(1 if chart is None else 2, 1, squeeze=False)[:, 0]
-    kept = _kept(run, others)
-    behind = [one._replace(name="_") for one in kept]
-    _stress(stresses, run, kept)
-    speed([NamedRun(run, "slip", {"color": BLUE}), *behind], speeds)
+    other_runs = _other_runs(run, others)
+    unnamed = [other._replace(name="_") for other in other_runs]
+    _stress(stresses, run, other_runs)
+    speed([NamedRun(run, "slip", {"color": BLUE}), *unnamed], speeds)
     speeds.legend(ncols=2, **ABOVE)
     cycle = [] if orbit is None else [NamedRun(orbit, "limit cycle", {"color": BLUE, "lw": 1.4})]
-    runs = [*behind, NamedRun(run, "run", {"color": GRAY, "lw": 0.6}), *cycle]
+    runs = [*unnamed, NamedRun(run, "run", {"color": GRAY, "lw": 0.6}), *cycle]
     plane(runs, phase, named=True)
-    phase.legend(**_below(phase))
+    phase.legend(**_legend_below(phase))
     for ax in maps:
         _map(ax, chart, verdict)
     letters([stresses, speeds, phase, *maps], "stress", "speed", "phase plane", MAP)
-    if kept:
-        names = ["the run shown", *(one.name for one in kept)]
-        handles = [stresses.lines[0], *stresses.lines[-len(kept) :]]
+    if other_runs:
+        names = ["the run shown", *(other.name for other in other_runs)]
+        handles = [stresses.lines[0], *stresses.lines[-len(other_runs) :]]
         fig.legend(handles, names, loc="outside lower left", **LEGEND)
-    dress(fig)
+    apply_style(fig)
     return fig
 
 
-def _kept(run, others):
+def _other_runs(run, others):
     """`NamedRun` of each other run, named by what differs, up to the end of the run."""
     _, *named = named_runs([run, *others])
-    ends = [one.run.isel(time=one.run.time.values <= run.time.values[-1]) for one in named]
+    ends = [other.run.isel(time=other.run.time.values <= run.time.values[-1]) for other in named]
     looks = itertools.cycle(MUTED)
     return [
-        NamedRun(end, one.name, {"color": color, "lw": 0.9, "zorder": 1.5})
-        for end, one, color in zip(ends, named, looks, strict=False)
+        NamedRun(end, other.name, {"color": color, "lw": 0.9, "zorder": 1.5})
+        for end, other, color in zip(ends, named, looks, strict=False)
     ]
 
 
-def _stress(ax, run, kept):
+def _stress(ax, run, other_runs):
     trace(run, ax)
     ax.set_xlabel("")  # the axis of the speeds, below, has it
     ax.legend(ncols=2, **ABOVE)
     factor, _ = prefixed("s", float(abs(run.time).max()))
-    for one, _, line in kept:
-        ax.plot(factor * one.time, one.tau / normal_stress(one), **line)
+    for other, _, line in other_runs:
+        ax.plot(factor * other.time, other.tau / normal_stress(other), **line)
 
 
 def _map(ax, chart, verdict):
     """Draw the regimes with the slider as a point, hollow at the edge if it is beyond the map."""
-    handles = atlas(chart, ax)
+    handles_ = atlas(chart, ax)
     ends = ax.get_xlim(), ax.get_ylim()
     at = verdict.slider.K / verdict.K_c_qs, verdict.eta
     inside = [min(max(x, low), high) for x, (low, high) in zip(at, ends, strict=True)]
     beyond = tuple(inside) != at
     name = "this slider, beyond the map" if beyond else "this slider"
     look = {"mfc": "w" if beyond else "k", "mec": "k", "ms": 5, "ls": "", "zorder": 6}
-    handles += ax.plot(*inside, "o", label=name, clip_on=False, **look)
-    names = [str(one.get_label()).replace(" (", "\n(").replace(", ", ",\n") for one in handles]
-    ax.legend(handles, names, **_below(ax))
+    handles_ += ax.plot(*inside, "o", label=name, clip_on=False, **look)
+    names = [str(line.get_label()).replace(" (", "\n(").replace(", ", ",\n") for line in handles_]
+    ax.legend(handles_, names, **_legend_below(ax))
 
 
-def _below(ax):
+def _legend_below(ax):
     """Return the place of a legend below axes and their label."""
     foot = offset_copy(ax.transAxes, ax.get_figure(root=True), y=-FOOT, units="points")
     at = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "bbox_transform": foot, "ncols": 2}

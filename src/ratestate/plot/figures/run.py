@@ -14,7 +14,7 @@ from ..runs import THIN, NamedRun, common, named_runs, plane, speed
 from .linear import stability_figure
 
 # Cycles of a run from which lines run together, and how many are shown on their own.
-MANY, FEW = 25, 5
+MANY_CYCLES, SHOWN_CYCLES = 25, 5
 #: width for a legend above the stress, of what is beside each name in it, and size of letters
 #: [points]
 ROOM, SPACE, LETTERS = 215.0, 30.0, 7.5
@@ -33,7 +33,7 @@ def run_figure(run):
 def runs_figure(runs):
     """Draw the figure of several runs, as `named_runs` takes them; ParameterError as of it."""
     named = named_runs(runs)
-    parts = [one.run for one in named]
+    parts = [other.run for other in named]
     if any(run.attrs.get("title") != "ratestate simulate" for run in parts):
         raise ParameterError(
             "a figure of several runs shows results of simulate alone", "Give only such results."
@@ -44,7 +44,7 @@ def runs_figure(runs):
     title = f"{len(parts)} runs, {' and '.join(sorted(laws))}"
     fig = figure(parts[0], 4.4, common(parts, SLIDER), title=title)
     axes = _panels(fig, runs, named)
-    widest = SPACE + max(text_width(one.name, LETTERS) for one in named)
+    widest = SPACE + max(text_width(other.name, LETTERS) for other in named)
     axes["a"].legend(ncols=max(1, int(ROOM / widest)), **COMPACT, **ABOVE)
     axes["b"].legend(handles=axes["b"].lines[:1], **ABOVE)
     return fig
@@ -93,14 +93,14 @@ def _motion(run, title, result):
     """
     fig = figure(run, 4.4, more=_of_contact(result), title=title)
     cycles = int(run.cycles)
-    alone = [NamedRun(run, "slider", {"color": BLUE})]
-    if cycles > MANY:
+    single = [NamedRun(run, "slider", {"color": BLUE})]
+    if cycles > MANY_CYCLES:
         # (of lines that run together, dashes would make a pattern)
-        axes = _panels(fig, run, alone, f"the last {FEW} of {cycles} cycles", {"ls": "-"})
-        last = run.time.values[-1] - FEW / float(run.frequency)
+        axes = _panels(fig, run, single, f"the last {SHOWN_CYCLES} of {cycles} cycles", {"ls": "-"})
+        last = run.time.values[-1] - SHOWN_CYCLES / float(run.frequency)
         trace(run.isel(time=run.time.values >= last), axes["d"])
     else:
-        axes = _panels(fig, run, alone)
+        axes = _panels(fig, run, single)
     force_axis(run, axes["a"])
     if "sigma" in run.data_vars:
         _normal_stress(run, axes["a"])
@@ -112,11 +112,11 @@ def _motion(run, title, result):
 def _normal_stress(run, ax):
     factor, unit = fitting_unit("sigma", run.sigma, contact_area(run))
     in_time, _ = prefixed("s", float(run.time.max()))
-    behind = ax.twinx()
-    behind.plot(in_time * run.time, factor * run.sigma, color=GRAY, **THIN)
-    behind.set_ylabel(rf"$\sigma$ [{unit}]", color=GRAY)
-    behind.tick_params(axis="y", colors=GRAY)
-    ax.set_zorder(behind.get_zorder() + 1)
+    stress_ax = ax.twinx()
+    stress_ax.plot(in_time * run.time, factor * run.sigma, color=GRAY, **THIN)
+    stress_ax.set_ylabel(rf"$\sigma$ [{unit}]", color=GRAY)
+    stress_ax.tick_params(axis="y", colors=GRAY)
+    ax.set_zorder(stress_ax.get_zorder() + 1)
     ax.patch.set_visible(False)
 
 

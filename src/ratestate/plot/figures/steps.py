@@ -28,7 +28,7 @@ DRAWN = ("a_minus_b", "Dc")
 #: against what
 ALONG = ("V_after", "step_delta_lp")
 #: how far the markers of one law are beside those of another [inches]
-BESIDE = 0.035
+MARKER_SHIFT = 0.035
 #: the line of a record
 RECORDED = {"color": "0.6", "rasterized": True}
 #: kind of step -> marker of its estimate, by whether the speed rises
@@ -57,7 +57,7 @@ def steps_figure(result):
     for part, symbol in zip(parts[1:], drawn, strict=True):
         axes = part.subplots(1, len(ALONG), sharey=True)
         for ax, along in zip(axes, ALONG, strict=True):
-            _along(laws, symbol, along, ax)
+            _draw_estimates(laws, symbol, along, ax)
         axes[0].set_ylabel(in_unit(label(symbol), _scale(laws, symbol)[1]))
         letters(axes, first="abcd"[2 * drawn.index(symbol)])
     return fig
@@ -65,14 +65,14 @@ def steps_figure(result):
 
 def _title(result, laws, shown):
     source, n = attribute_text(result, "source", ""), result.sizes["step"]
-    what = "1 step" if n == 1 else f"{n} steps and holds"
-    of = f"Fits of {what}{f' of {source}' if source else ''}, {law_names(tuple(laws))}"
-    return of if shown == n else f"{of} ({shown} of them shown)"
+    counts = "1 step" if n == 1 else f"{n} steps and holds"
+    title = f"Fits of {counts}{f' of {source}' if source else ''}, {law_names(tuple(laws))}"
+    return title if shown == n else f"{title} ({shown} of them shown)"
 
 
 def _step(step, laws, axes):
     """A step's record about its start under the fitted curves, and below it the residuals."""
-    x, what = _abscissa(step)
+    x, text = _abscissa(step)
     ax, below = axes
     level = float(np.nanmedian(step["friction"]))
     ax.plot(x, 1e3 * (step["friction"] - level), lw=0.4, **RECORDED)
@@ -83,16 +83,16 @@ def _step(step, laws, axes):
         below.plot(x, 1e3 * (step["friction"] - curve), lw=0.4, color=LAWS[law].color)
     is_stick_slip = any(part["status"] == STICK_SLIP for part in laws.values())
     why = "" if fitted else " stick-slip" if is_stick_slip else " failed"
-    head = f"step {int(step['step'])}: {_head(step)}{why}"
+    head = f"step {int(step['step'])}: {_change_label(step)}{why}"
     ax.set_title(head, fontsize=6, pad=2, color="k" if fitted else "#c00000")
-    for one, ticks in ((ax, 4), (below, 2)):
-        one.axvline(0.0, color=GRAY, lw=0.6, ls=":", zorder=0)
-        one.tick_params(labelsize=6, pad=1.5)
-        one.xaxis.set_major_locator(MaxNLocator(4))
-        one.yaxis.set_major_locator(MaxNLocator(ticks))
-        one.margins(x=0.0)
+    for panel, ticks in ((ax, 4), (below, 2)):
+        panel.axvline(0.0, color=GRAY, lw=0.6, ls=":", zorder=0)
+        panel.tick_params(labelsize=6, pad=1.5)
+        panel.xaxis.set_major_locator(MaxNLocator(4))
+        panel.yaxis.set_major_locator(MaxNLocator(ticks))
+        panel.margins(x=0.0)
     ax.tick_params(labelbottom=False)
-    below.set_xlabel(what, fontsize=6, labelpad=0.5)
+    below.set_xlabel(text, fontsize=6, labelpad=0.5)
 
 
 def _lines(laws):
@@ -109,7 +109,7 @@ def _abscissa(step):
     return factor * values, in_unit("Time" if is_hold else "Displacement", unit)
 
 
-def _head(step):
+def _change_label(step):
     """What changes at a step, in few letters."""
     text, *_ = change_text(step).partition(",")
     text = text.replace("->", "\N{RIGHTWARDS ARROW}").replace("sigma", label("sigma"))
@@ -121,18 +121,18 @@ def _legend(result, part, laws):
     looks = ({"lw": LINE, **RECORDED}, *_lines(laws).values())
     handles = [Line2D([], [], **look) for look in looks]
     names = ["recorded", *(f"{law} law" for law in laws)]
-    for (kind, up), marker in MARKERS.items():
-        if result is not None and _which(result, kind, up).any():
+    for (kind, upwards), marker in MARKERS.items():
+        if result is not None and _is_kind(result, kind, upwards).any():
             handles.append(Line2D([], [], marker=marker, color="0.3", ms=3.5, ls=""))
-            names.append("hold" if kind == "hold" else f"step {'up' if up else 'down'}")
+            names.append("hold" if kind == "hold" else f"step {'up' if upwards else 'down'}")
     look = {"handlelength": 1.8, "columnspacing": 0.9, "handletextpad": 0.4, "fontsize": 7}
     part.legend(handles, names, loc="outside upper right", ncols=len(names), **look)
 
 
-def _which(result, kind, up):
+def _is_kind(result, kind, upwards):
     """(n,) which steps are of this kind, to a higher speed or not."""
     rises = result["V_after"] > result["V_before"] if kind == "step" else False
-    return ((result["kind"] == kind) & (up == rises)).values
+    return ((result["kind"] == kind) & (upwards == rises)).values
 
 
 def _scale(laws, symbol):
@@ -140,30 +140,30 @@ def _scale(laws, symbol):
     return scaled(symbol, float(np.nanmax(sizes)))
 
 
-def _along(laws, symbol, along, ax):
+def _draw_estimates(laws, symbol, along, ax):
     """An estimate of each step, with its 68 % interval, against speed or displacement."""
     factor, _ = _scale(laws, symbol)
     x = next(iter(laws.values()))[along].values
     to_unit, unit = prefixed(QUANTITIES[along].unit, float(np.nanmax(np.abs(x))))
     for i, (law, part) in enumerate(laws.items()):
-        own = part.sel(parameter=symbol)
-        beside = ScaledTranslation(i * BESIDE, 0.0, ax.figure.dpi_scale_trans)
-        value = own[symbol].values
-        low, high = np.abs(own["interval"].isel(level=0).transpose("side", "step").values - value)
-        for (kind, up), marker in MARKERS.items():
-            at = _which(own, kind, up) & np.isfinite(value)
+        fit = part.sel(parameter=symbol)
+        shift = ScaledTranslation(i * MARKER_SHIFT, 0.0, ax.figure.dpi_scale_trans)
+        value = fit[symbol].values
+        low, high = np.abs(fit["interval"].isel(level=0).transpose("side", "step").values - value)
+        for (kind, upwards), marker in MARKERS.items():
+            at = _is_kind(fit, kind, upwards) & np.isfinite(value)
             errors = np.where(np.isfinite([low, high]), [low, high], 0.0)[:, at]
             look = {"ms": 3.5, "lw": 0.8, "color": LAWS[law].color}
-            drawn = ax.errorbar(
+            bars = ax.errorbar(
                 to_unit * x[at], factor * value[at], factor * errors, fmt=marker, **look
             )
             # only now, for the limits are those of what is drawn in data coordinates
-            for artist in drawn.get_children():
-                artist.set_transform(artist.get_transform() + beside)
+            for artist in bars.get_children():
+                artist.set_transform(artist.get_transform() + shift)
     if along == "V_after" and np.ptp(x) > 0.0:
         ax.set_xscale("log")
         plain_ticks(ax.xaxis, to_unit * x)
-    what = ABSCISSAE["delta_lp"] if along == "step_delta_lp" else label("V_lp") + " after the step"
-    ax.set_xlabel(in_unit(what, unit))
+    text = ABSCISSAE["delta_lp"] if along == "step_delta_lp" else label("V_lp") + " after the step"
+    ax.set_xlabel(in_unit(text, unit))
     if symbol == "a_minus_b":
         ax.axhline(0.0, color=GRAY, lw=0.6, zorder=0)

@@ -35,7 +35,7 @@ SHOWN = {
     "stability": ("Steady sliding", ("K_c", "growth_rate", "omega")),
 }
 # Values of an axis up to which each has a line of its own: a map would fill what is between them.
-FEW = 5
+MAX_LINES = 5
 
 
 @styled
@@ -43,26 +43,26 @@ def sweep_figure(result, function, dims):
     """Draw the figure of a sweep of a function of `SHOWN` over one or two dimensions."""
     cases, shown = SHOWN[function]
     names = [name for name in shown if set(dims) & set(result[name].dims)] or shown
-    over = " and ".join(label(str(dim)) for dim in dims)
-    title = f"{cases} over {over}, {LAWS[parameter(result, 'law')].name}"
+    dims_text = " and ".join(label(str(dim)) for dim in dims)
+    title = f"{cases} over {dims_text}, {LAWS[parameter(result, 'law')].name}"
     along = max(dims, key=lambda dim: result.sizes[dim])
     across = next((dim for dim in dims if dim != along), None)
-    if across is None or result.sizes[across] <= FEW:
+    if across is None or result.sizes[across] <= MAX_LINES:
         fig = figure(result, 2.0 + 1.5 * len(names), title=title)
         axes = fig.subplots(len(names), 1, sharex=True, squeeze=False).ravel()
         for ax, name in zip(axes, names, strict=True):
             marks = _lines(ax, result, name, along, across)
         if marks:
             fig.legend(handles=marks, loc="upper right")
-        axis_of(result, along).dress(axes[-1].xaxis)
+        axis_of(result, along).format_axis(axes[-1].xaxis)
     else:
         fig = figure(result, 3.2, title=title)
         axes = fig.subplots(1, len(names), sharex=True, sharey=True, squeeze=False).ravel()
         for ax, name in zip(axes, names, strict=True):
             _map(fig, ax, result, name, dims)
         across, along = (axis_of(result, dim) for dim in dims)
-        across.dress(axes[0].yaxis)
-        divide(fig, axes, result, dims, along, across, _outside(result, dims))
+        across.format_axis(axes[0].yaxis)
+        divide(fig, axes, result, dims, along, across, _is_outside(result, dims))
     letters(axes)
     return fig
 
@@ -86,16 +86,16 @@ def _failed(result, dims):
     return ~np.isin(_codes(result, "status", dims), (FINISHED, STEADY_SLIDING))
 
 
-def _outside(result, dims):
+def _is_outside(result, dims):
     return _codes(result, "outside_domain", dims) > 0
 
 
-def _has_none(ax, values):
+def _write_if_empty(ax, values):
     """Whether there is nothing to show, which is then written."""
-    if none := not np.isfinite(values).any():
+    if is_empty := not np.isfinite(values).any():
         at = {"transform": ax.transAxes, "ha": "center", "va": "center"}
         ax.text(0.5, 0.5, "no cycle in any case", **at)
-    return none
+    return is_empty
 
 
 def _lines(ax, result, name, along, across):
@@ -106,17 +106,17 @@ def _lines(ax, result, name, along, across):
     x = axis_of(result, along).values
     dims = [along] if across is None else [across, along]
     pair = [name, "V_min"] if name == "V_max" else [name]
-    found = np.array([np.atleast_2d(_values(result, one, dims)) for one in pair])
+    found = np.array([np.atleast_2d(_values(result, variable, dims)) for variable in pair])
     factor, unit = fitting_unit(name, found, contact_area(result))
     scaled = factor * found
-    _has_none(ax, scaled)
-    names = [None] if across is None else axis_of(result, across).each(across)
+    _write_if_empty(ax, scaled)
+    names = [None] if across is None else axis_of(result, across).labels(across)
     colors = ["k"] if across is None else shades(len(names))
-    for one, rows, look in zip(pair, scaled, ("o-", "o--"), strict=False):
+    for variable, rows, look in zip(pair, scaled, ("o-", "o--"), strict=False):
         for values, text, color in zip(rows, names, colors, strict=True):
             if text is None:
-                color, text = ("k", BLUE)[one == "V_min"], label(one)
-            elif one == "V_min":
+                color, text = ("k", BLUE)[variable == "V_min"], label(variable)
+            elif variable == "V_min":
                 text = None
             ax.plot(x, values, look, color=color, ms=2.5, lw=1.0, label=text)
     if across is not None and len(pair) > 1:
@@ -128,7 +128,7 @@ def _lines(ax, result, name, along, across):
         _mark_critical(ax, np.atleast_1d(_values(result, "V_c", dims[:-1])), x, result, colors)
     if len(ax.get_legend_handles_labels()[1]) > 1:
         ax.legend()
-    outside = np.broadcast_to(_outside(result, dims), scaled.shape)
+    outside = np.broadcast_to(_is_outside(result, dims), scaled.shape)
     marks = mark_outside(ax, np.broadcast_to(x, scaled.shape), scaled, outside)
     show_constant(ax)
     if is_wide(found):
@@ -159,14 +159,14 @@ def _mark_critical(ax, speeds, x, result, colors):
 
 def _map(fig, ax, result, name, dims):
     """A variable in colours; gray where a case has no answer, white where it has no cycle."""
-    along, across = (axis_of(result, dim) for dim in reversed(dims))
+    x_axis, y_axis = (axis_of(result, dim) for dim in reversed(dims))
     values = _values(result, name, dims)
     factor, unit = fitting_unit(name, values, contact_area(result))
     values = factor * values
-    along.dress(ax.xaxis)
-    if not _has_none(ax, values):
+    x_axis.format_axis(ax.xaxis)
+    if not _write_if_empty(ax, values):
         style, ticks = _colors(values)
-        colored = ax.pcolormesh(along.edges, across.edges, values, rasterized=True, **style)
+        colored = ax.pcolormesh(x_axis.edges, y_axis.edges, values, rasterized=True, **style)
         text = in_unit(label(name) if name == "V_max" else WORDS[name], unit)
         bar = fig.colorbar(colored, ax=ax, location="top", label=text, ticks=ticks)
         if isinstance(colored.norm, LogNorm):
@@ -174,8 +174,8 @@ def _map(fig, ax, result, name, dims):
     if (failed := _failed(result, dims)).any():
         gray = np.where(failed, 1.0, np.nan)
         style = {"cmap": "gray", "vmin": 0.0, "vmax": 2.0, "rasterized": True}
-        ax.pcolormesh(along.edges, across.edges, gray, **style)
-    ax.set(xlim=sorted(along.edges[[0, -1]]), ylim=sorted(across.edges[[0, -1]]))
+        ax.pcolormesh(x_axis.edges, y_axis.edges, gray, **style)
+    ax.set(xlim=sorted(x_axis.edges[[0, -1]]), ylim=sorted(y_axis.edges[[0, -1]]))
 
 
 def _colors(values):
@@ -184,7 +184,7 @@ def _colors(values):
     if low >= 0.0:
         scale = LogNorm if is_wide(values) else Normalize
         return {"cmap": "viridis", "norm": scale(low, high)}, None
-    most = max(high, -low)
-    ten = 10.0 ** np.floor(np.log10(most))
-    norm = SymLogNorm(1e-3 * ten, vmin=-most, vmax=most)
-    return {"cmap": "RdBu_r", "norm": norm}, [-ten, -0.01 * ten, 0.0, 0.01 * ten, ten]
+    largest = max(high, -low)
+    decade = 10.0 ** np.floor(np.log10(largest))
+    norm = SymLogNorm(1e-3 * decade, vmin=-largest, vmax=largest)
+    return {"cmap": "RdBu_r", "norm": norm}, [-decade, -0.01 * decade, 0.0, 0.01 * decade, decade]

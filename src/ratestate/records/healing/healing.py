@@ -157,13 +157,13 @@ def dataset_of(record, noise, measured, sliders, predicted):
     sliders : law -> `Fitted`
     predicted : law -> list of the results of `predict`
     """
-    holds, none = record.holds, (np.nan, np.nan)
+    holds, missing = record.holds, (np.nan, np.nan)
     t_hold = np.array([hold.duration for hold in holds])
-    columns = {name: np.array([one.values.get(name, none) for one in measured]).T for name in NAMES}
+    columns = {name: np.array([x.values.get(name, missing) for x in measured]).T for name in NAMES}
     quantities = {name: tuple(column) for name, column in columns.items()}
     messages = []
-    for hold, one, *others in zip(holds, measured, *predicted.values(), strict=True):
-        texts = [_message(record, hold, one), *(message for _, message in others)]
+    for hold, result, *others in zip(holds, measured, *predicted.values(), strict=True):
+        texts = [_message(record, hold, result), *(message for _, message in others)]
         messages.append("; ".join(filter(None, texts)))
     variables = labelled(
         "hold",
@@ -172,8 +172,8 @@ def dataset_of(record, noise, measured, sliders, predicted):
         V_before=[hold.before.V for hold in holds],
         V_after=[hold.after.V for hold in holds],
         **quantities,
-        peak_time=np.array([one.peak_time for one in measured]),
-        hold_status=np.array([one.status for one in measured], np.int8),
+        peak_time=np.array([result.peak_time for result in measured]),
+        hold_status=np.array([result.status for result in measured], np.int8),
         hold_message=messages,
     )
     variables["hold_status"][2].update(flags(dict(enumerate(STATUSES))))
@@ -201,11 +201,11 @@ def dataset_of(record, noise, measured, sliders, predicted):
 def _steady(record, measured):
     """Return steady friction (m,) from the slide before each hold to the peak; NaN elsewhere."""
     steady = np.full(record.t.size, np.nan)
-    for hold, one in zip(record.holds, measured, strict=True):
-        if one.status == EVALUATED:
-            start = np.nanmin([one.before.start, hold.during.start])
-            first, last = np.searchsorted(record.t, (start, one.peak_time))
-            steady[first:last] = one.before.at(record.drift_coordinate[first:last])[0]
+    for hold, result in zip(record.holds, measured, strict=True):
+        if result.status == EVALUATED:
+            start = np.nanmin([result.before.start, hold.during.start])
+            first, last = np.searchsorted(record.t, (start, result.peak_time))
+            steady[first:last] = result.before.at(record.drift_coordinate[first:last])[0]
     return steady
 
 
@@ -235,8 +235,8 @@ def _predictions(t_hold, quantities, sliders, predicted):
     variables: dict = {}
     for i, (name, rate) in enumerate(RATES.items()):
         columns, rates = [], []
-        for law, each in predicted.items():
-            values = np.array([one[i] for one, _ in each])  # (holds, cases)
+        for law, prediction in predicted.items():
+            values = np.array([of_hold[i] for of_hold, _ in prediction])  # (holds, cases)
             slopes = [_line(t_hold, column, quantities[name][1]).slope for column in values.T]
             columns.append((values[:, 0], sliders[law].error(values)))
             rates.append((slopes[0], *sliders[law].error(np.array([slopes]))))

@@ -23,7 +23,7 @@ FEWEST_OF_RELOADING = 3
 #: final fraction of a slide that may be steady; its fewest samples
 STEADY, FEWEST = 0.5, 12
 #: most samples of a slide, and most slides, from which noise is estimated
-MOST, SLIDES = 2000, 8
+MAX_SAMPLES, MAX_SLIDES = 2000, 8
 #: order of the polynomial in a slide; noise, as a multiple of the least, that means a transient
 SMOOTH, NOISIER = 3, 2.0
 #: least relative noise of a sample: values of an instrument have at most 24 bits
@@ -115,8 +115,8 @@ def healing_record(data, loading, trend):
     )
 
 
-def is_same_speed(one, other):
-    return abs(one - other) <= SPEEDS * max(one, other)
+def is_same_speed(V, other):
+    return abs(V - other) <= SPEEDS * max(V, other)
 
 
 def _holds(time, segments):
@@ -153,8 +153,8 @@ def _drift(friction, slip, holds):
     for hold in holds:
         before, after = hold.before.rows[-LAST:], hold.after.rows[-LAST:]
         if min(before.size, after.size) == LAST and hold.is_at_one_speed:
-            moved = slip[after].mean() - slip[before].mean()
-            slopes.append((friction[after].mean() - friction[before].mean()) / moved)
+            slip_between = slip[after].mean() - slip[before].mean()
+            slopes.append((friction[after].mean() - friction[before].mean()) / slip_between)
     return float(np.median(slopes)) if slopes else 0.0
 
 
@@ -177,17 +177,17 @@ def noise_of_slides(record):
     are left out.  The noise is at least the resolution of friction.  If no part has `FEWEST`
     samples: ParameterError.
     """
-    friction, slides = record.friction, [one.rows for one in record.slides.values()]
-    parts = [rows[rows.size - int(STEADY * rows.size) :][-MOST:] for rows in slides]
+    friction, slides = record.friction, [slide.rows for slide in record.slides.values()]
+    parts = [rows[rows.size - int(STEADY * rows.size) :][-MAX_SAMPLES:] for rows in slides]
     parts = [rows for rows in parts if rows.size >= FEWEST]
     if not parts:
         raise sentences.refusal("record.no_slide", fewest=FEWEST)
-    chosen = np.unique(np.linspace(0, len(parts) - 1, SLIDES).round().astype(int))
+    chosen = np.unique(np.linspace(0, len(parts) - 1, MAX_SLIDES).round().astype(int))
     parts = [parts[i] for i in chosen]
     least = max(rounding(friction), SINGLE * np.abs(friction).max())
     levels = np.array([_noise(record.t, friction, [rows], least).level for rows in parts])
-    most = NOISIER * levels.min()
-    return _noise(record.t, friction, [parts[i] for i in np.flatnonzero(levels <= most)], least)
+    limit = NOISIER * levels.min()
+    return _noise(record.t, friction, [parts[i] for i in np.flatnonzero(levels <= limit)], least)
 
 
 def _noise(t, friction, parts, least):

@@ -28,7 +28,7 @@ FEWEST_OF_HOLD = USED + 3
 PEAK_TESTED, PEAK_USED, ORDERS = 3, 5, 2
 FEWEST_OF_PEAK = PEAK_USED + 3
 #: noise around a peak, as a multiple of the record's, above which the samples are too few
-FEW = math.sqrt(CERTAIN / ORDERS)
+MAX_NOISE = math.sqrt(CERTAIN / ORDERS)
 #: successive windows that must fail, because noise may make a single one fail
 FAILED = 2
 #: least height of a peak above friction at the end of the slide, in standard errors
@@ -75,15 +75,15 @@ def measure(record, hold, noise, levels):
     two rounding errors.  If the noise is larger than the last digit, a mean of samples has less of
     this error (Widrow, Kollar & Liu 1996 doi:10.1109/19.492748).
     """
-    one = _measured_with_noise(record, hold, noise, levels)
+    measured = _measured_with_noise(record, hold, noise, levels)
     step = resolution(record.friction)
     other = max(noise.level**2 - (OF_STEP * step) ** 2, 0.0)
     least = OF_STEP * step * np.exp(-2.0 * np.pi**2 * other / step**2) if step else 0.0
     values = {
         name: (value, max(error, math.sqrt(2.0 if name in DIFFERENCES else 1.0) * least))
-        for name, (value, error) in one.values.items()
+        for name, (value, error) in measured.values.items()
     }
-    return one._replace(values=values)
+    return measured._replace(values=values)
 
 
 def _measured_with_noise(record, hold, noise, levels):
@@ -109,17 +109,17 @@ def _measured_with_noise(record, hold, noise, levels):
     values |= {"friction_peak": peak, "delta_mu": _difference(peak, level, unsteady)}
     if after is not None:
         values["friction_after"] = after.at(after.end)
-    most = UNKNOWN * abs(values["delta_mu"][0])
-    if level[1] > most:
+    largest = UNKNOWN * abs(values["delta_mu"][0])
+    if level[1] > largest:
         return MeasuredHold(UNSTEADY, {})
-    if math.hypot(level[1], unsteady) > most:
+    if math.hypot(level[1], unsteady) > largest:
         del values["delta_mu"]
         return MeasuredHold(UNSTEADY, values, at)
     return MeasuredHold(EVALUATED, values, at, before, drift_coordinate)
 
 
-def _difference(one, other, unsteady):
-    return one[0] - other[0], math.hypot(one[1], other[1], unsteady)
+def _difference(value, reference, unsteady):
+    return value[0] - reference[0], math.hypot(value[1], reference[1], unsteady)
 
 
 def _distance_from_steady(record, rows, level, noise):
@@ -164,22 +164,22 @@ def _peak(record, hold, noise, low):
     t, slide = record.t, hold.after.rows
     columns = t, t, record.friction
 
-    def passes(size, passed):
+    def passes(size, sizes):
         rows = _about_maximum(record.level, slide, size)
         # (until a window passes, test all orders that are used)
-        order, most = (PEAK_TESTED, SIGNIFICANT) if passed else (PEAK_USED, CERTAIN)
+        order, most = (PEAK_TESTED, SIGNIFICANT) if sizes else (PEAK_USED, CERTAIN)
         return curvature(*columns, rows, order, noise) <= most
 
-    passed = windows_that_pass(FEWEST_OF_PEAK, slide.size, passes, FAILED)
+    sizes = windows_that_pass(FEWEST_OF_PEAK, slide.size, passes, FAILED)
     rows, *smaller = (
-        _about_maximum(record.level, slide, size) for size in passed[:-3:-1] or [FEWEST_OF_PEAK]
+        _about_maximum(record.level, slide, size) for size in sizes[:-3:-1] or [FEWEST_OF_PEAK]
     )
     excess = 0.0 if smaller else curvature(*columns, rows, PEAK_USED, noise)
     local = noise.times(max(math.sqrt(excess / ORDERS), 1.0))  # (enlarged by a misfit)
     found = fitted_polynomial(*columns, rows, PEAK_USED, local).peak
     if found is None and rows[-1] == slide[-1]:
         return ENDS, np.nan, None
-    too_few = local.level > FEW * noise.level
+    too_few = local.level > MAX_NOISE * noise.level
     # friction that rises in fewer samples than half a window has a peak between two samples
     high = record.level[slide[0] - GUARD : slide[-1] + 1]
     first = slide[0] - GUARD + int(np.argmax(high >= high.max() - LIKELY * noise.level))

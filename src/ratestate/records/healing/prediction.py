@@ -83,8 +83,8 @@ def sliders_of(slider):
 def _fitted(result, law, part):
     """Return the `Fitted` of one law of a result of `fit`."""
     slider = fitted_slider(result, law)
-    own = motion_symbols(slider.friction_law)
-    names = [name for name in part["parameter"].values.tolist() if name in own]
+    symbols = motion_symbols(slider.friction_law)
+    names = [name for name in part["parameter"].values.tolist() if name in symbols]
     if has_steps(result):
         errors, correlation = _errors_of_steps(part, names)
     else:
@@ -122,18 +122,18 @@ def predict(fitted, hold, kind):
     kind : kind of friction, "tau" or "mu"
     """
     slider, cases = fitted.slider, fitted.cases
-    none = np.full((2, 1 + 2 * len(fitted.free)), np.nan)
+    no_result = np.full((2, 1 + 2 * len(fitted.free)), np.nan)
     lead, after = LEAD * hold.duration, hold.after
     end = lead + hold.duration
     loading = Loading.steps(hold.before.V, (lead, 0.0), (end, after.V))
     try:
         window = _about_peak(slider, loading, end, end + after.end - after.start, kind)
         if window is None:
-            return none, sentences("prediction.no_peak", law=slider.law)
+            return no_result, sentences("prediction.no_peak", law=slider.law)
         times = np.concatenate([[0.0, end], np.linspace(window[0], window[1], POINTS)])
         run = simulate(cases, loading, float(times[-1]), times=times, rtol=RTOL)
     except RateStateError as error:
-        return none, sentences("prediction.failed", law=slider.law, reason=str(error))
+        return no_result, sentences("prediction.failed", law=slider.law, reason=str(error))
     friction = _friction(run, cases, kind).transpose(..., "time").values.reshape(-1, times.size)
     level, low, high = friction[:, 0], friction[:, 1], friction[:, 2:].max(axis=1)
     return np.array([high - level, level - low]), ""

@@ -34,10 +34,10 @@ SIGNIFICANT = 22.46
 #: successive windows that must fail; order of the polynomial that is tested
 FAILED, TESTED = 2, 3
 #: most samples of a slide; more are averaged in blocks
-MOST = 2000
+MAX_SAMPLES = 2000
 #: error of a level, as a multiple of the error without a transient, above which the noise is
 #: enlarged; the factor
-POOR, MISFIT = 5.0, 3.0
+POOR_FIT, MISFIT = 5.0, 3.0
 #: largest error of a level, as a fraction of the fall since the peak, of a slide that is used
 UNFINISHED = 0.1
 #: largest standard deviation between slides, as a multiple of the difference of their levels
@@ -57,12 +57,12 @@ class Shape(NamedTuple):
         u = np.maximum((slip - slip[0]) / self.length, -1.0)
         fade = np.exp(-u)
         if self.wave:
-            one, two = fade * np.cos(self.wave * u), fade * np.sin(self.wave * u)
+            first, second = fade * np.cos(self.wave * u), fade * np.sin(self.wave * u)
         elif self.faster == 1.0:
-            one, two = fade, u * fade
+            first, second = fade, u * fade
         else:
-            one, two = fade, (fade - np.exp(-u / self.faster)) / (1.0 - self.faster)
-        return np.column_stack([one, two, one * one, one * two, two * two])
+            first, second = fade, (fade - np.exp(-u / self.faster)) / (1.0 - self.faster)
+        return np.column_stack([first, second, first * first, first * second, second * second])
 
 
 class Level(NamedTuple):
@@ -76,10 +76,19 @@ class Level(NamedTuple):
 
     def at(self, drift_coordinate):
         """Return steady friction and its standard error at a drift coordinate or several."""
-        away = np.asarray(drift_coordinate) - self.end
-        columns = np.array([np.ones_like(away), away])[: self.coefficients.size]
+        distance = np.asarray(drift_coordinate) - self.end
+        columns = np.array([np.ones_like(distance), distance])[: self.coefficients.size]
         variance = np.einsum("i...,ij,j...->...", columns, self.covariance, columns)
         return np.tensordot(self.coefficients, columns, 1)[()], np.sqrt(variance)[()]
+
+
+class _Solution(NamedTuple):
+    """The least-squares solution of a slide for each shape."""
+
+    coefficients: np.ndarray  # (shapes, k)
+    covariance: np.ndarray  # (shapes, k, k)
+    chi2: np.ndarray  # (shapes,)
+    log_likelihood: np.ndarray  # (shapes,)
 
 
 class _SlideFit(NamedTuple):
@@ -94,7 +103,7 @@ class _SlideFit(NamedTuple):
     size: int  # 1: level; 2: level and slope
 
     def solved(self, transient, prior=None):
-        """Return coefficients (shapes, k), their covariance, chi-square and ln likelihood.
+        """Return the `_Solution`.
 
         transient : number of columns of the transient
         prior : mean (size,) and inverse covariance of level (and slope), or None
@@ -113,18 +122,18 @@ class _SlideFit(NamedTuple):
         coefficients = np.einsum("sij,sj->si", covariance, right)
         chi2 = chi2 - np.einsum("si,si->s", right, coefficients)
         log_normal = np.linalg.slogdet(normal)[1] + 2.0 * transient * np.log(self.scale)
-        return coefficients, covariance, chi2, -0.5 * (chi2 + log_normal)
+        return _Solution(coefficients, covariance, chi2, -0.5 * (chi2 + log_normal))
 
     def mean(self, weights, prior):
         """Return level (and slope) and covariance, averaged over shapes with these ln(weights)."""
-        coefficients, covariance, _, likelihood = self.solved(QUADRATIC, prior)
-        weights = weights + likelihood
+        coefficients, covariance, _, log_likelihood = self.solved(QUADRATIC, prior)
+        weights = weights + log_likelihood
         weights = np.exp(weights - scipy.special.logsumexp(weights))
         level = slice(self.size)
         mean = weights @ coefficients[:, level]
-        away = coefficients[:, level] - mean
-        inner = np.einsum("s,sij->ij", weights, covariance[:, level, level])
-        return mean, inner + np.einsum("s,si,sj->ij", weights, away, away)
+        deviation = coefficients[:, level] - mean
+        within = np.einsum("s,sij->ij", weights, covariance[:, level, level])
+        return mean, within + np.einsum("s,si,sj->ij", weights, deviation, deviation)
 
     def with_misfit(self, weights, prior):
         """Enlarge the noise by `MISFIT` if the level's error is mainly due to the transient.
@@ -132,7 +141,7 @@ class _SlideFit(NamedTuple):
         The reason is that shapes describe a transient only approximately.
         """
         _, covariance = self.mean(weights, prior)
-        if covariance[0, 0] * self.normal[0, 1, 1] < POOR**2:
+        if covariance[0, 0] * self.normal[0, 1, 1] < POOR_FIT**2:
             return self
         return self._replace(normal=self.normal / MISFIT**2)
 
@@ -143,27 +152,28 @@ def levels_of(record, noise):
     # (over the record, the drift does not exceed the range of friction)
     slope = (np.ptp(record.drift_coordinate) / np.ptp(friction)) ** 2.0
     bound = np.zeros(1 + has_slope), np.diag([0.0, slope][: 1 + has_slope])
-    tails = [one.tail for one in slides if one.follows_hold and one.tail.size >= FEWEST]
+    tails = [slide.tail for slide in slides if slide.follows_hold and slide.tail.size >= FEWEST]
     shapes, weights = shapes_of(friction, record.slip, tails, noise.level)
     fits = [_slide_fit(record, slide.tail, noise, shapes) for slide in slides]
     evidence = np.zeros((len(slides), weights.size))
     for i, (fit, slide) in enumerate(zip(fits, slides, strict=True)):
         if fit is not None:
             fits[i] = fit.with_misfit(_with_no_transient(weights, slide), bound)
-            evidence[i] = fits[i].solved(QUADRATIC)[3][:-1] if slide.follows_hold else 0.0
+            if slide.follows_hold:
+                evidence[i] = fits[i].solved(QUADRATIC).log_likelihood[:-1]
     others = [
-        _with_no_transient(each, slide)
-        for each, slide in zip(weights + evidence.sum(0) - evidence, slides, strict=True)
+        _with_no_transient(weight, slide)
+        for weight, slide in zip(weights + evidence.sum(0) - evidence, slides, strict=True)
     ]
-    alone = [fit and fit.mean(each, bound) for fit, each in zip(fits, others, strict=True)]
-    errors = [np.inf if one is None else float(np.sqrt(one[1][0, 0])) for one in alone]
+    means = [fit and fit.mean(weight, bound) for fit, weight in zip(fits, others, strict=True)]
+    errors = [np.inf if level is None else float(np.sqrt(level[1][0, 0])) for level in means]
     for i, slide in enumerate(slides):
         fall = friction[slide.tail[0]] - friction[slide.rows[-FEWEST:]].mean()
         if slide.follows_hold and errors[i] > UNFINISHED * fall:
-            fits[i] = alone[i] = None
+            fits[i] = means[i] = None
     ends = np.array([record.drift_coordinate[slide.rows[-1]] for slide in slides])
     levels = {}
-    priors = _priors(slides, ends, alone, has_slope)
+    priors = _priors(slides, ends, means, has_slope)
     for i, (number, prior) in enumerate(zip(record.slides, priors, strict=True)):
         if (fit := fits[i]) is not None:
             mean, covariance = fit.mean(others[i], bound if prior is None else prior)
@@ -220,7 +230,7 @@ def _slide_fit(record, rows, noise, shapes):
 
     def passes(size, _):
         fits[size] = _fit_in_window(columns[:, -size:], noise, shapes)
-        small, large = (fits[size].solved(k)[2].min() for k in (LINEAR, QUADRATIC + TESTED))
+        small, large = (fits[size].solved(k).chi2.min() for k in (LINEAR, QUADRATIC + TESTED))
         return small - large <= SIGNIFICANT
 
     passed = windows_that_pass(FEWEST, columns.shape[1], passes, FAILED)
@@ -230,18 +240,18 @@ def _slide_fit(record, rows, noise, shapes):
 def _averaged(record, rows, noise):
     """Return times, change of friction, slip and drift coordinate as rows, and their noise.
 
-    More than `MOST` samples are averaged in blocks.  Without a trend the last row is absent.
+    More than `MAX_SAMPLES` samples are averaged in blocks.  Without a trend the last row is absent.
     """
     drift = [record.drift_coordinate] if record.trend else []
     change = record.friction - record.friction[0]
     columns = np.array([record.t, change, record.slip, *drift])[:, rows]
-    each = -(-rows.size // MOST)
-    if each == 1:
+    block = -(-rows.size // MAX_SAMPLES)
+    if block == 1:
         return columns, noise
-    columns = columns[:, rows.size % each :].reshape(len(columns), -1, each).mean(axis=2)
+    columns = columns[:, rows.size % block :].reshape(len(columns), -1, block).mean(axis=2)
     # (averaging reduces the red part if it varies within a block)
     red = noise.red * min(1.0, np.sqrt(2.0 * noise.time / (columns[0, 1] - columns[0, 0])))
-    return columns, noise._replace(white=noise.white / np.sqrt(each), red=red)
+    return columns, noise._replace(white=noise.white / np.sqrt(block), red=red)
 
 
 def _fit_in_window(columns, noise, shapes):
@@ -254,22 +264,22 @@ def _fit_in_window(columns, noise, shapes):
     white, _ = noise.whiten(t, np.column_stack([shared, *transients]))
     first, last = np.split(white[:, : shared.shape[1]], [-TESTED], axis=1)
     parts = np.split(white[:, shared.shape[1] :], len(transients), axis=1)
-    each = [np.hstack([first, part, last]) for part in parts]
-    normal = np.array([one.T @ one for one in each])
+    designs = [np.hstack([first, part, last]) for part in parts]
+    normal = np.array([design.T @ design for design in designs])
     lengths = np.array([*(shape.length for shape in shapes), 0.0])
     scale = (np.ptp(friction) + noise.level) * (1.0 + lengths / np.ptp(slip))
     return _SlideFit(float(t[0]), normal, scale, 1 + len(drift))
 
 
-def _priors(slides, ends, alone, has_slope):
+def _priors(slides, ends, means, has_slope):
     """Return the prior of each slide from all others: mean and inverse covariance, or None.
 
     Slides scatter about one line with a level at each speed.
 
     ends : (slides,) drift coordinates at the slides' ends
-    alone : level (and slope) of each slide with its covariance, or None
+    means : level (and slope) of each slide with its covariance, or None
     """
-    known = np.array([i for i, one in enumerate(alone) if one is not None], int)
+    known = np.array([i for i, level in enumerate(means) if level is not None], int)
     if not known.size or len(slides) < 2:
         return [None] * len(slides)
     speeds = [next(k for k, b in enumerate(slides) if is_same_speed(a.V, b.V)) for a in slides]
@@ -279,8 +289,8 @@ def _priors(slides, ends, alone, has_slope):
     if has_slope:
         designs[:, :, -1] = np.column_stack([(ends - ends.mean()) / distance, np.ones(ends.size)])
     unit = np.array([1.0, distance])[: 1 + has_slope]
-    values = unit * np.array([alone[i][0] for i in known])
-    covariances = np.outer(unit, unit) * np.array([alone[i][1] for i in known])
+    values = unit * np.array([means[i][0] for i in known])
+    covariances = np.outer(unit, unit) * np.array([means[i][1] for i in known])
     rank = len({speeds[i] for i in known}) + has_slope
     scatter = scatter_about_line(designs[known], values, covariances, rank)
     priors: list = []

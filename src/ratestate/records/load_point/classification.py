@@ -54,9 +54,9 @@ def find_runs(t, x):
     scatter, steps = _scatter_of(runs)
     # the noise may be too large because steps in quick succession looked like wandering
     if scatter > max(WANDER_RATIO * steps, MIN_SPEED_RATIO * np.ptp(x)):
-        closer = _steps_and_jumps(RowSums(t, x, longest=SHORT_ROWS))
-        if MIN_IMPROVEMENT * _scatter_of(closer)[0] < scatter:
-            runs = closer
+        short_runs = _steps_and_jumps(RowSums(t, x, longest=SHORT_ROWS))
+        if MIN_IMPROVEMENT * _scatter_of(short_runs)[0] < scatter:
+            runs = short_runs
     runs, holds = _mark_holds(runs)
     runs, ramps = _remove_ramps(runs)
     return runs, holds + ramps + _anomaly_notes(runs)
@@ -69,20 +69,20 @@ def _steps_and_jumps(rows):
     def run_of(i, j):
         return SpeedRun(rows, [(i, j)])
 
-    def least_change(one, other):
-        error = (1.0 / one.spread + 1.0 / other.spread) ** 0.5
-        return max(MIN_STEP * max(abs(one.V), abs(other.V)), HOLD_ERRORS * error)
+    def least_change(before, after):
+        error = (1.0 / before.spread + 1.0 / after.spread) ** 0.5
+        return max(MIN_STEP * max(abs(before.V), abs(after.V)), HOLD_ERRORS * error)
 
     @functools.cache
     def change(i, j, k):
         """Return the change at row j as a multiple of the least step; inf for a jump of x."""
-        one, other = run_of(i, j), run_of(j, k)
-        dV = abs(one.V - other.V)
-        T = [run.end - run.start for run in (one, other)]
-        least = least_change(one, other)
+        before, after = run_of(i, j), run_of(j, k)
+        dV = abs(before.V - after.V)
+        T = [run.end - run.start for run in (before, after)]
+        least = least_change(before, after)
         deflection = dV * T[0] * T[1] / sum(T) / (MIN_DEFLECTION * rows.noise[j] ** 0.5)
         size = min(dV / least if least else 0.0, deflection)
-        jumps = size < 1.0 and jump_size(rows, j, 0.5 * (one.V + other.V)) != 0.0
+        jumps = size < 1.0 and jump_size(rows, j, 0.5 * (before.V + after.V)) != 0.0
         return np.inf if jumps else size
 
     @functools.cache
@@ -90,10 +90,10 @@ def _steps_and_jumps(rows):
         """Return whether rows j to k only surround a jump: at most one is off both lines."""
         if k - j >= 2 * MIN_RUN_ROWS:
             return False
-        one, other = run_of(i, j), run_of(k, m)
+        before, after = run_of(i, j), run_of(k, m)
         t, x, least = rows.t[j:k], rows.x[j:k], JUMP_SIGMAS * rows.noise[j:k] ** 0.5
-        off = np.minimum(abs(x - one.x_at(t, -1)), abs(x - other.x_at(t, 0))) > least
-        return bool(off.sum() <= 1 and abs(one.V - other.V) < least_change(one, other))
+        is_off = np.minimum(abs(x - before.x_at(t, -1)), abs(x - after.x_at(t, 0))) > least
+        return bool(is_off.sum() <= 1 and abs(before.V - after.V) < least_change(before, after))
 
     def changes(at):
         sizes = [change(*three) for three in zip(at, at[1:], at[2:], strict=False)]
@@ -103,7 +103,7 @@ def _steps_and_jumps(rows):
         return sizes
 
     at = drop_weak_cuts(rows, find_cuts(rows), changes, 1.0)
-    first, *runs = [run_of(*two) for two in itertools.pairwise(at)]
+    first, *runs = [run_of(*ends) for ends in itertools.pairwise(at)]
     joined = [first]
     for run, size in zip(runs, changes(at), strict=True):
         if size == np.inf:
@@ -119,16 +119,16 @@ def _mark_holds(runs):
     largest = max(abs(run.V) for run in runs)
     marked: list[SpeedRun] = []
     notes = []
-    for m, (run, own) in enumerate(zip(runs, noise_variances(runs), strict=True)):
+    for m, (run, noise) in enumerate(zip(runs, noise_variances(runs), strict=True)):
         duration = run.end - run.start
-        error = (max(1.0, own) / run.spread) ** 0.5
+        error = (max(1.0, noise) / run.spread) ** 0.5
         moves = scatter * float(run.select_rows(run.samples.noise).mean()) ** 0.5
         least = max(HOLD_ERRORS * error, HOLD_SCATTER * moves / duration, MIN_SPEED_RATIO * largest)
         hold = abs(run.V) <= least
-        beside = max((abs(r.V) for r in runs[max(0, m - 1) : m + 2] if r is not run), default=0.0)
-        if hold and least > MAX_BACKWARD * beside > 0.0:
+        fastest = max((abs(r.V) for r in runs[max(0, m - 1) : m + 2] if r is not run), default=0.0)
+        if hold and least > MAX_BACKWARD * fastest > 0.0:
             notes.append(sentences("notes.short_hold", first=run.start, last=run.end, V=least))
-        if not hold and -MAX_BACKWARD * beside <= run.V < 0.0:
+        if not hold and -MAX_BACKWARD * fastest <= run.V < 0.0:
             hold = True
             notes.append(sentences("notes.runs_back", by=-run.V * duration, first=run.start))
         if hold and marked and marked[-1].hold:
@@ -146,8 +146,8 @@ def _remove_ramps(runs):
             span = runs[m - 1 : last + 1]
             changes = np.diff([run.V for run in span])
             ramp = span[-1].start - span[0].end
-            around = min(run.end - run.start for run in (span[0], span[-1]))
-            if ramp < MAX_RAMP * around and ((changes > 0.0).all() or (changes < 0.0).all()):
+            shorter = min(run.end - run.start for run in (span[0], span[-1]))
+            if ramp < MAX_RAMP * shorter and ((changes > 0.0).all() or (changes < 0.0).all()):
                 notes.append(sentences("notes.ramp", ramp=ramp, first=span[0].t[span[0].last]))
                 del runs[m:last]
                 break
@@ -185,9 +185,9 @@ def _anomaly_notes(runs):
             if gap := jump_size(run.samples, first, run.V):
                 lost = f" (as in {gap / run.V:.2g} s at that speed)" if run.V else ""
                 notes.append(sentences("notes.jump", gap=gap, t=t[first], lost=lost))
-    for one, other in itertools.pairwise(runs):
-        if gap := jump_between(one, other):
-            notes.append(sentences("notes.jump_at_step", gap=gap, t=t[other.first]))
+    for before, after in itertools.pairwise(runs):
+        if gap := jump_between(before, after):
+            notes.append(sentences("notes.jump_at_step", gap=gap, t=t[after.first]))
     scatter, steps = _scatter_of(runs)
     if scatter > max(WANDER_RATIO * steps, MIN_SPEED_RATIO * np.ptp(x), _rounding_step(x)):
         notes.append(sentences("notes.wanders", scatter=scatter, steps=steps))

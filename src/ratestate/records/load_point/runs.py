@@ -77,43 +77,43 @@ def breakpoints(runs):
     beyond, the time is the middle of the gap, and the span is the length of the gap.
     """
     times, spans = [], []
-    for one, other in itertools.pairwise(runs):
-        middle = 0.5 * (one.end + other.start)
-        change = one.V - other.V
-        apart = other.x_at(middle, 0) - one.x_at(middle, -1)
-        meet = middle + apart / change if change else middle
-        near = one.t[one.rows[-1][0]] < meet < one.t[other.rows[0][1] - 1]
+    for run, after in itertools.pairwise(runs):
+        middle = 0.5 * (run.end + after.start)
+        change = run.V - after.V
+        gap = after.x_at(middle, 0) - run.x_at(middle, -1)
+        meet = middle + gap / change if change else middle
+        is_close = run.t[run.rows[-1][0]] < meet < run.t[after.rows[0][1] - 1]
         span = 0.0
-        if jump_between(one, other):
-            near, span = False, other.start - one.end
-        if is_gap(one, other):
-            inside = min(max(meet, one.end), other.start)
-            steps = one.t[one.last - 1] - one.t[one.last - 2], one.t[other.first + 1] - other.start
-            error = math.sqrt(one.x_variance(one.end, -1) + other.x_variance(other.start, 0))
-            near = abs(meet - inside) <= max(steps) + JUMP_SIGMAS * error / abs(change)
-            meet, span = inside, 0.0 if near else other.start - one.end
-        times.append(float(meet if near else middle))
+        if jump_between(run, after):
+            is_close, span = False, after.start - run.end
+        if is_gap(run, after):
+            inside = min(max(meet, run.end), after.start)
+            steps = run.t[run.last - 1] - run.t[run.last - 2], run.t[after.first + 1] - after.start
+            error = math.sqrt(run.x_variance(run.end, -1) + after.x_variance(after.start, 0))
+            is_close = abs(meet - inside) <= max(steps) + JUMP_SIGMAS * error / abs(change)
+            meet, span = inside, 0.0 if is_close else after.start - run.end
+        times.append(float(meet if is_close else middle))
         spans.append(span)
     return np.array(times), np.array(spans)
 
 
-def jump_between(one, other):
+def jump_between(before, after):
     """Return the signed jump [m] between neighbouring runs at two speeds; 0 if none.
 
     It is the part of the displacement from row to row that neither speed explains.
     """
-    samples, row = one.samples, other.first
-    if one.last != row or is_gap(one, other):
+    samples, row = before.samples, after.first
+    if before.last != row or is_gap(before, after):
         return 0.0
-    moved, duration = (float(y[row] - y[row - 1]) for y in (samples.x, samples.t))
-    low, high = sorted((one.V * duration, other.V * duration))
-    jump = moved - min(max(moved, low), high)
+    distance, duration = (float(y[row] - y[row - 1]) for y in (samples.x, samples.t))
+    low, high = sorted((before.V * duration, after.V * duration))
+    jump = distance - min(max(distance, low), high)
     noise = float(samples.noise[row - 1] + samples.noise[row])
     return jump if abs(jump) > max(JUMP_SIGMAS * math.sqrt(noise), abs(high - low)) else 0.0
 
 
-def is_gap(one, other):
-    return one.last == other.first and other.first in one.samples.gaps
+def is_gap(before, after):
+    return before.last == after.first and after.first in before.samples.gaps
 
 
 def refine_breakpoints(runs):
@@ -129,11 +129,11 @@ def refine_breakpoints(runs):
             (first, last), (start, end) = rows[m][-1], rows[m + 1][0]
             if last == start and first + 2 <= edge <= end - 2:
                 rows[m][-1], rows[m + 1][0] = (first, edge), (edge, end)
-        places = tuple(own[0][0] for own in rows)
+        places = tuple(spans[0][0] for spans in rows)
         if rows == [run.rows for run in runs] or places in visited:
             break
         visited.add(places)
-        runs = [SpeedRun(samples, own, run.hold) for own, run in zip(rows, runs, strict=True)]
+        runs = [SpeedRun(samples, spans, run.hold) for spans, run in zip(rows, runs, strict=True)]
     return runs
 
 
@@ -157,7 +157,7 @@ def noise_variances(runs):
     of_all = np.concatenate(rates)
     parts = [unit[of_all == rate] for rate in range(of_all.max() + 1)]
     factors = np.array([_correlation_factor(p if p.size >= MIN_RATE_ROWS else unit) for p in parts])
-    return [level * factors[own].mean() for level, own in zip(levels, rates, strict=True)]
+    return [level * factors[of_run].mean() for level, of_run in zip(levels, rates, strict=True)]
 
 
 def _correlation_factor(unit):

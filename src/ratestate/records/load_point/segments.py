@@ -51,8 +51,8 @@ class Segments(NamedTuple):
         if self.all_segments:
             return self.all_segments.displacement(t)
         ends = np.append(self.t, self.end)
-        moved = np.concatenate([[0.0], np.cumsum(self.V * np.diff(ends))])
-        return np.interp(t, ends, moved)
+        x = np.concatenate([[0.0], np.cumsum(self.V * np.diff(ends))])
+        return np.interp(t, ends, x)
 
     @property
     def steady(self):
@@ -85,13 +85,13 @@ class Segments(NamedTuple):
         texts = self._of_load_point(t, displacement)
         for step in stress_steps:
             change = readable_change("sigma", step.before, step.after)
-            moved = _format_position(step.t, t, displacement)
+            position_text = _format_position(step.t, t, displacement)
             begin, end = _format_time(step.t), _format_time(step.end)
-            what = f"step of normal stress {change} at {begin}"
+            event = f"step of normal stress {change} at {begin}"
             if step.end > step.t:
-                what = f"ramp of normal stress {change} from {begin} to {end}"
-            texts.append((step.t, what + moved))
-        return "; ".join(text for _, text in sorted(texts, key=lambda one: one[0]))
+                event = f"ramp of normal stress {change} from {begin} to {end}"
+            texts.append((step.t, event + position_text))
+        return "; ".join(text for _, text in sorted(texts, key=lambda item: item[0]))
 
     def _of_load_point(self, t, displacement):
         """Return (time [s], description) of each step and hold of the load point."""
@@ -99,20 +99,20 @@ class Segments(NamedTuple):
         starts, speeds, ends = steady.t, steady.V, steady.ends
         if speeds.size == 1:
             V = speeds[0]
-            what = "a hold" if V == 0.0 else f"steady at {readable('V_lp', V, 3)}"
-            return [(starts[0], f"no step: {what} throughout")]
+            motion = "a hold" if V == 0.0 else f"steady at {readable('V_lp', V, 3)}"
+            return [(starts[0], f"no step: {motion} throughout")]
         texts = []
         for i, (start, V) in enumerate(zip(starts, speeds, strict=True)):
-            at, moved = _format_time(start), _format_position(start, t, displacement)
+            at, position_text = _format_time(start), _format_position(start, t, displacement)
             before = speeds[i - 1] if i else None
             if V == 0.0:
-                since = f"{at}{moved if i else ''}"
-                texts.append((start, f"hold of {readable('t', ends[i] - start, 4)} from {since}"))
+                begin = f"{at}{position_text if i else ''}"
+                texts.append((start, f"hold of {readable('t', ends[i] - start, 4)} from {begin}"))
             elif before == 0.0:
                 texts.append((start, f"slide at {readable('V_lp', V, 3)} from {at}"))
             elif before is not None:
                 change = readable_change("V_lp", before, V)
-                texts.append((start, f"velocity step {change} at {at}{moved}"))
+                texts.append((start, f"velocity step {change} at {at}{position_text}"))
         return texts
 
 
@@ -180,11 +180,11 @@ def segments_from_displacement(t, x):
     noise, (at, spans) = noise_variances(runs), breakpoints(runs)
     variance = [0.0]  # of the starts
     for i, (tau, span) in enumerate(zip(at, spans, strict=True)):
-        one, other = runs[i : i + 2]
-        of_lines = noise[i] * one.x_variance(tau, -1) + noise[i + 1] * other.x_variance(tau, 0)
+        before, after = runs[i : i + 2]
+        of_lines = noise[i] * before.x_variance(tau, -1) + noise[i + 1] * after.x_variance(tau, 0)
         # a step in a jump or a gap is uniformly distributed over the span
-        variance.append(span**2 / 12.0 if span else of_lines / (one.V - other.V) ** 2)
-        if span and is_gap(one, other):
+        variance.append(span**2 / 12.0 if span else of_lines / (before.V - after.V) ** 2)
+        if span and is_gap(before, after):
             ends = {"first": tau - 0.5 * span, "last": tau + 0.5 * span}
             notes.append(sentences("notes.step_in_gap", **ends))
     # a row at a breakpoint, to rounding, belongs to the segment before it
@@ -211,8 +211,8 @@ def segments_from_velocity(t, V):
     def levels(at):
         weights = np.add.reduceat(1.0 / rows.noise, at[:-1])
         first = V[at[:-1]]
-        off = (V - np.repeat(first, np.diff(at))) / rows.noise
-        means = first + np.add.reduceat(off, at[:-1]) / weights
+        scaled = (V - np.repeat(first, np.diff(at))) / rows.noise
+        means = first + np.add.reduceat(scaled, at[:-1]) / weights
         errors = weights**-0.5
         least = np.maximum(HOLD_ERRORS * errors, MIN_SPEED_RATIO * np.abs(means).max())
         return np.where(np.abs(means) <= least, 0.0, means), errors
@@ -265,11 +265,11 @@ def _format_position(at, t, displacement):
 
 def _overshoots(V, durations, before, after):
     """Return whether all segments between two others are overshoots of the step between them."""
-    brief, ends = slice(before + 1, after), [before, after]
-    off = np.abs(V[brief] - V[after])
-    moved = (V * durations)[ends]
+    inner, ends = slice(before + 1, after), [before, after]
+    jumps = np.abs(V[inner] - V[after])
+    slips = (V * durations)[ends]
     return bool(
-        durations[brief].sum() <= MAX_OVERSHOOT_TIME * durations[ends].min()
-        and off.max() <= MAX_OVERSHOOT_SPEED * abs(V[after] - V[before])
-        and off @ durations[brief] <= MAX_OVERSHOOT_SLIP * moved[moved > 0.0].min(initial=np.inf)
+        durations[inner].sum() <= MAX_OVERSHOOT_TIME * durations[ends].min()
+        and jumps.max() <= MAX_OVERSHOOT_SPEED * abs(V[after] - V[before])
+        and jumps @ durations[inner] <= MAX_OVERSHOOT_SLIP * slips[slips > 0.0].min(initial=np.inf)
     )

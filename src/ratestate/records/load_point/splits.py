@@ -93,9 +93,9 @@ class RowSums:
         )
         if not k.size:
             return i, 0.0
-        both = self.misfit(i, k) + self.misfit(k, j)
-        best = int(np.argmin(both))
-        return int(k[best]), float(self.misfit(i, j) - both[best])
+        misfits = self.misfit(i, k) + self.misfit(k, j)
+        best = int(np.argmin(misfits))
+        return int(k[best]), float(self.misfit(i, j) - misfits[best])
 
 
 def gaps_in(t, ratio=GAP_RATIO, rows=GAP_ROWS):
@@ -107,9 +107,9 @@ def gaps_in(t, ratio=GAP_RATIO, rows=GAP_ROWS):
     dt = np.diff(t)
     if dt.size < 3:
         return []
-    beside = np.minimum(np.append(dt[1], dt[:-1]), np.append(dt[1:], dt[-2]))
+    neighbour = np.minimum(np.append(dt[1], dt[:-1]), np.append(dt[1:], dt[-2]))
     gaps = []
-    for i in np.flatnonzero(dt > ratio * beside).tolist():
+    for i in np.flatnonzero(dt > ratio * neighbour).tolist():
         # if the sampling rate changes here, the time step is the usual one on one side
         sides = [dt[max(0, i - rows) : i], dt[i + 1 : i + 1 + rows]]
         if dt[i] > ratio * max(float(np.median(side)) for side in sides if side.size):
@@ -146,10 +146,10 @@ def find_cuts(rows):
         rows.set_candidates(candidates[(candidates >= 0) & (candidates <= places[-1])])
         cuts = _improve_cuts(rows, np.searchsorted(rows.at, places).tolist())
     while len(cuts) > 2:
-        m, fewer, gain = _weakest_cut(rows, cuts)
+        m, remaining, gain = _weakest_cut(rows, cuts)
         if gain > MIN_GAIN:
             break
-        cuts = _improve_cuts(rows, fewer, near=m)
+        cuts = _improve_cuts(rows, remaining, near=m)
     return cuts
 
 
@@ -159,14 +159,14 @@ def _weakest_cut(rows, cuts):
     Two neighbouring cuts that one cut may replace count as one candidate for removal.
     """
     c = np.array(cuts)
-    one = rows.misfit(c[:-1], c[1:])
-    gains = rows.misfit(c[:-2], c[2:]) - one[:-1] - one[1:]
+    misfits = rows.misfit(c[:-1], c[1:])
+    gains = rows.misfit(c[:-2], c[2:]) - misfits[:-1] - misfits[1:]
     m = int(np.argmin(gains))
     weakest = m + 1, cuts[: m + 1] + cuts[m + 2 :], float(gains[m])
     for m in range(1, len(cuts) - 2):
         i, j = cuts[m - 1], cuts[m + 2]
         k, gain = rows.best_cut(i, j)
-        loss = float(rows.misfit(i, j) - gain - one[m - 1 : m + 2].sum())
+        loss = float(rows.misfit(i, j) - gain - misfits[m - 1 : m + 2].sum())
         if i < k and loss < weakest[2]:
             weakest = m, [*cuts[:m], k, *cuts[m + 2 :]], loss
     return weakest
@@ -225,26 +225,26 @@ def sampling_noise(t, y, degree, longest):
         Runs of twice the length are cut in half.  In white noise the median reduction is 1.
         """
         first = np.arange(0, t.size - 2 * length + 1, length)
-        both = first[:, None] + np.arange(2 * length)
-        whole, one, other = (
+        rows_of_pair = first[:, None] + np.arange(2 * length)
+        joint, left, right = (
             _misfits(t[rows], y[rows], 1.0 / noise[rows], degree)
-            for rows in (both, both[:, :length], both[:, length:])
+            for rows in (rows_of_pair, rows_of_pair[:, :length], rows_of_pair[:, length:])
         )
-        reductions = (whole - one - other) / CHI2_MEDIANS[degree]
+        reductions = (joint - left - right) / CHI2_MEDIANS[degree]
         inside = blocks[first] == blocks[first + 2 * length - 1]
         return reductions, [reductions[inside & (rates[first] == rate)] for rate in of_all]
 
-    shortest, own = reductions_by_rate(MIN_RUN_ROWS, np.ones(t.size))
-    known = [one.size >= MIN_PAIRS for one in own]
-    levels = [np.median(one) for one, enough in zip(own, known, strict=True) if enough]
+    shortest, grouped = reductions_by_rate(MIN_RUN_ROWS, np.ones(t.size))
+    known = [group.size >= MIN_PAIRS for group in grouped]
+    levels = [np.median(group) for group, is_known in zip(grouped, known, strict=True) if is_known]
     noisiest = max(levels or [np.median(shortest) if shortest.size else 0.0])
     least = max(MIN_VARIANCE_RATIO * noisiest, ROUNDING * float(y @ y), LEAST_VARIANCE)
-    variances = np.full(len(own), max(noisiest, least))
+    variances = np.full(len(grouped), max(noisiest, least))
     variances[known] = np.maximum(levels, least)
-    growth, length = np.ones(len(own)), 2 * MIN_RUN_ROWS
+    growth, length = np.ones(len(grouped)), 2 * MIN_RUN_ROWS
     while length <= min(longest, t.size // (TYPICAL_PAIRS + 1)):
-        reductions, own = reductions_by_rate(length, variances[rates])
-        typical = [np.median(one if one.size >= TYPICAL_PAIRS else reductions) for one in own]
+        reductions, grouped = reductions_by_rate(length, variances[rates])
+        typical = [np.median(x if x.size >= TYPICAL_PAIRS else reductions) for x in grouped]
         growth, length = np.maximum(growth, typical), 2 * length
     noise = _local_noise(shortest, variances[rates]) * growth[rates]
     # a rate changes between two rows: rows beside the change take the larger noise

@@ -47,7 +47,7 @@ def stress_steps(time, sigma):
         places = rows.at[find_cuts(rows)].tolist()
     except ParameterError:  # too many changes
         return []
-    runs = [SpeedRun(rows, [two]) for two in itertools.pairwise(places)]
+    runs = [SpeedRun(rows, [ends]) for ends in itertools.pairwise(places)]
     slow = [r for r in runs if abs(r.V) * (r.end - r.start) <= VARIABLE * r.means[0][1]]
     # levels from midway before their first row to midway after their last, and their means
     edges = np.concatenate([time[:1], 0.5 * (time[1:] + time[:-1]), time[-1:]])
@@ -112,8 +112,8 @@ def _relative_rests(levels):
     """Return the duration of each level divided by the longer change beside it; inf if none."""
     begin, end, _ = np.transpose(levels)
     changes = np.concatenate([[0.0], begin[1:] - end[:-1], [0.0]])
-    longer = np.maximum(changes[:-1], changes[1:])
-    return np.where(longer > 0.0, (end - begin) / np.where(longer > 0.0, longer, 1.0), np.inf)
+    length = np.maximum(changes[:-1], changes[1:])
+    return np.where(length > 0.0, (end - begin) / np.where(length > 0.0, length, 1.0), np.inf)
 
 
 def _is_positive(sigma):

@@ -128,8 +128,8 @@ def machine_stiffness(data, *, sigma=None, slider=None, loading=None):
         oscillations = _ring_downs(raw, segments, drops)
         slopes = slopes_of(raw.time, raw.friction, segments, drops)
     # (a slope that is as fast as the machine's oscillations is not quasi-static)
-    period = max((2.0 * np.pi / one.point[0] for one in oscillations), default=0.0)
-    slopes = [one for one in slopes if raw.time[one.rows[-1]] - one.start >= period]
+    period = max((2.0 * np.pi / ring.point[0] for ring in oscillations), default=0.0)
+    slopes = [slope for slope in slopes if raw.time[slope.rows[-1]] - slope.start >= period]
     if not slopes and not oscillations:
         raise sentences.refusal("record.nothing", samples=FEWEST)
     origin = {"title": "ratestate machine_stiffness", "versions": versions()}
@@ -167,7 +167,7 @@ def _ring_downs(raw, segments, drops):
         peaks = np.searchsorted(t[rows], times[:, 0])
         parts = np.split(rows, peaks)[1:] if peaks.size else [rows]
         ring_downs += [ring_down(t, raw.friction, part, float(V)) for part in parts if part.size]
-    return [one for one in ring_downs if one is not None]
+    return [found for found in ring_downs if found is not None]
 
 
 def stress_drops(raw, sigma, segments):
@@ -193,34 +193,34 @@ def dataset_of(raw, sigma, slider, slopes, ring_downs):
 
     slopes, ring_downs : lists of `Slope` and `RingDown`; sigma [Pa]; slider may be None
     """
-    fits = np.array([one.is_explained for one in slopes], bool)
+    fits = np.array([slope.is_explained for slope in slopes], bool)
     # (slopes of stick phases give only a lower bound of K)
-    others = fits & np.array([one.kind != "stick" for one in slopes], bool)
+    others = fits & np.array([slope.kind != "stick" for slope in slopes], bool)
     used = others if others.any() else fits
     # (the mean is of ln K, whose errors do not depend on its value)
-    columns = [(one.point[1], one.independent_error, one.shared_error) for one in slopes]
+    columns = [(slope.point[1], slope.independent_error, slope.shared_error) for slope in slopes]
     mean, error, scatter = _mean(*np.array(columns).reshape(-1, 3)[used].T)
     stiffness = sigma * float(np.exp(mean))
     K = stiffness, stiffness * error, scatter
     variables, M, damping = _inertia(K, sigma, slider, ring_downs)
     for name, (value, error, scatter) in zip(SYMBOLS, (K, M, damping), strict=True):
         variables |= labelled((), **{name: (value, error), f"{name}_scatter": scatter})
-    errors = sigma * np.array([one.k_error for one in slopes])
+    errors = sigma * np.array([slope.k_error for slope in slopes])
     variables |= labelled(
         "slope",
-        slope_K=(sigma * np.array([one.k for one in slopes]), errors),
-        slope_kind=np.array([one.kind for one in slopes], str),
-        slope_start=np.array([one.start for one in slopes]),
-        slope_straight=sigma * np.array([one.straight for one in slopes]),
-        slope_creep=np.array([one.r for one in slopes]),
+        slope_K=(sigma * np.array([slope.k for slope in slopes]), errors),
+        slope_kind=np.array([slope.kind for slope in slopes], str),
+        slope_start=np.array([slope.start for slope in slopes]),
+        slope_straight=sigma * np.array([slope.straight for slope in slopes]),
+        slope_creep=np.array([slope.r for slope in slopes]),
         slope_used=used,
     )
     lines: dict = {"slope_friction": slopes, "ring_down_friction": ring_downs}
     variables |= labelled("time", friction=raw.friction)
     for name, found in lines.items():
         line = np.full(raw.time.size, np.nan)
-        for one in found:
-            line[one.rows] = one.fitted
+        for fit in found:
+            line[fit.rows] = fit.fitted
         variables |= labelled("time", **{name: line})
     result = xarray.Dataset(variables, labelled("time", time=raw.time))
     return result.assign_attrs(remarks=json.dumps(_remarks(result, slider, np.sum(~fits))))
@@ -229,18 +229,18 @@ def dataset_of(raw, sigma, slider, slopes, ring_downs):
 def _inertia(K, sigma, slider, ring_downs):
     """Return variables along ``ring_down``, and mean, error and scatter of M and of damping."""
     values, independent, shared = np.full((3, 2, len(ring_downs)), np.nan)
-    for i, one in enumerate(ring_downs):
-        values[:, i], jacobian = mass_and_damping(K[0], one, sigma, slider)
+    for i, ring in enumerate(ring_downs):
+        values[:, i], jacobian = mass_and_damping(K[0], ring, sigma, slider)
         rates = jacobian[:, :2]
-        independent[:, i] = np.sqrt(np.einsum("ij,jk,ik->i", rates, one.covariance, rates))
+        independent[:, i] = np.sqrt(np.einsum("ij,jk,ik->i", rates, ring.covariance, rates))
         shared[:, i] = jacobian[:, 2] * K[1]
-    rates = np.array([one.point for one in ring_downs]).reshape(-1, 2).T
-    errors = np.sqrt([np.diag(one.covariance) for one in ring_downs]).reshape(-1, 2).T
+    rates = np.array([ring.point for ring in ring_downs]).reshape(-1, 2).T
+    errors = np.sqrt([np.diag(ring.covariance) for ring in ring_downs]).reshape(-1, 2).T
     pairs = zip([*rates, *values], [*errors, *np.hypot(independent, shared)], strict=True)
     variables = labelled(
         "ring_down",
-        ring_down_start=np.array([one.start for one in ring_downs]),
-        ring_down_V=np.array([one.V for one in ring_downs]),
+        ring_down_start=np.array([ring.start for ring in ring_downs]),
+        ring_down_V=np.array([ring.V for ring in ring_downs]),
         **{f"ring_down_{name}": pair for name, pair in zip(OF_RINGS, pairs, strict=True)},
     )
     return variables, *map(_mean, values, independent, shared)

@@ -63,25 +63,25 @@ def ring_down(t, friction, rows, V):
     if first is None:
         return None
     omega, part = first
-    whole = rows[: LONGEST + np.searchsorted(rows, part[0])]
-    fit = _fit_without_harmonics(t, friction, whole, omega, 2.0 / float(t[part[-1]] - t[part[0]]))
+    window = rows[: LONGEST + np.searchsorted(rows, part[0])]
+    fit = _fit_without_harmonics(t, friction, window, omega, 2.0 / float(t[part[-1]] - t[part[0]]))
     if fit is None:
         return None
     # nonlinear effects decrease as the square of the amplitude, so a later start is better
     for decays in LATER:
         begin = t[fit.rows[0]] + decays / fit.point[1]
-        again = _fit(t, friction, whole, begin, *fit.point)
-        if again is not None and again.is_resolved:
-            return again._replace(start=float(t[rows[0]]), V=V)
+        refit = _fit(t, friction, window, begin, *fit.point)
+        if refit is not None and refit.is_resolved:
+            return refit._replace(start=float(t[rows[0]]), V=V)
     unknown = np.diag((UNCHECKED * fit.point) ** 2)
     return fit._replace(covariance=fit.covariance + unknown, start=float(t[rows[0]]), V=V)
 
 
-def _fit_without_harmonics(t, friction, whole, omega, decay):
-    begin = t[whole[0]]
-    spacing = float(np.median(np.diff(t[whole])))
+def _fit_without_harmonics(t, friction, rows, omega, decay):
+    begin = t[rows[0]]
+    spacing = float(np.median(np.diff(t[rows])))
     for _ in range(TRIALS):
-        fit = _fit(t, friction, whole, begin, omega, decay)
+        fit = _fit(t, friction, rows, begin, omega, decay)
         if fit is None:
             return None
         omega, decay = fit.point
@@ -107,7 +107,7 @@ def _dominant_frequency(t, friction, rows):
             omega = 2.0 * np.pi * at / float(t[part[-1]] - t[part[0]])
             windows.append((power[at] / (power.sum() - power[at - 1 : at + 2].sum()), omega, part))
         size *= GROWTH
-    return None if not windows else max(windows, key=lambda one: one[0])[1:]
+    return None if not windows else max(windows, key=lambda window: window[0])[1:]
 
 
 def _basis(t, omega, decay):
@@ -117,15 +117,15 @@ def _basis(t, omega, decay):
     return np.column_stack([*line, fall * np.cos(omega * t), fall * np.sin(omega * t)])
 
 
-def _fit(t, friction, whole, begin, omega, decay):
+def _fit(t, friction, rows, begin, omega, decay):
     """Fit a `RingDown` to rows from a time on, over `DECAYS` decay times; None if too few.
 
     omega, decay : starting values
     """
-    rows = whole[(t[whole] >= begin) & (t[whole] <= begin + DECAYS / decay)]
-    if rows.size < SHORTEST or (t[rows[-1]] - begin) * omega < PERIODS * 2.0 * np.pi:
+    rows_of_fit = rows[(t[rows] >= begin) & (t[rows] <= begin + DECAYS / decay)]
+    if rows_of_fit.size < SHORTEST or (t[rows_of_fit[-1]] - begin) * omega < PERIODS * 2.0 * np.pi:
         return None
-    at, y = t[rows] - t[rows[0]], friction[rows] - friction[rows].mean()
+    at, y = t[rows_of_fit] - t[rows_of_fit[0]], friction[rows_of_fit] - friction[rows_of_fit].mean()
     noise, scale, point = Noise(float(y.std())), np.array([omega, decay]), np.ones(2)
 
     def residual(p):
@@ -146,7 +146,7 @@ def _fit(t, friction, whole, begin, omega, decay):
     fall, turn = np.exp(-p[1] * at), 2.0 * p[0] * at
     effects = fall**2 * np.cos(turn), fall**2 * np.sin(turn), fall**2, fall
     harmonics = fall_of_chi2(at, rest, np.column_stack([jacobian, *effects]), 4, noise)
-    return RingDown(p, covariance, rows, friction[rows] - rest, harmonics)
+    return RingDown(p, covariance, rows_of_fit, friction[rows_of_fit] - rest, harmonics)
 
 
 def mass_and_damping(K, ring_down, sigma, slider):

@@ -41,7 +41,7 @@ A, HEALING, LOG_ERROR = 0.008, 0.0035, 0.6
 #: largest h/k; smallest and largest r after a hold
 MOST_HEALING, CREEP = 0.5, (1e-12, 0.9)
 #: largest change of p in the search: for k a factor of 7, for others 8 standard deviations
-REACH = np.array([np.inf, 2.0, 8.0 * LOG_ERROR, 8.0, 8.0 * LOG_ERROR, np.inf, np.inf])
+MAX_STEP = np.array([np.inf, 2.0, 8.0 * LOG_ERROR, 8.0, 8.0 * LOG_ERROR, np.inf, np.inf])
 #: rounds of noise and fit; most evaluations; step of a difference
 ROUNDS, EVALUATIONS, STEP = 3, 100, 1e-5
 #: fraction of the change of friction up to the extremum that is fitted; fitted part of the time
@@ -51,9 +51,9 @@ UNTIL, STICK = 0.6, (0.2, 0.6)
 #: multiple of its noise
 FEWEST, FEWEST_BEFORE, FEWEST_BETWEEN, LEAST = 4, 4, 12, 8.0
 #: final fraction of the slide before that gives the level and its noise; its most samples
-BEFORE, MOST_BEFORE = 0.1, 500
+LEVEL_PART, MOST_BEFORE = 0.1, 500
 #: final fraction of a hold that gives the relaxation; most samples before the last `MOST_BEFORE`
-LATE, MOST_EARLY = 0.5, 1000
+HOLD_PART, MOST_EARLY = 0.5, 1000
 #: standard error of ln K due to the change of state during loading, of the size of the errors of
 #: noiseless slopes under both laws at k Dc from 1e-3 to 0.1.  Apart from healing, these errors are
 #: at most 5e-4 after holds, 6e-3 after steps up by a factor of 3 and 10, and 3e-2 after steps down
@@ -140,7 +140,7 @@ def fitted_slope(t, x, friction, r, *, rested=0.0, x_error=0.0, state_error=0.0)
     level = friction[max(int(np.searchsorted(x, 0.0)) - 1, 0)]
     first = np.array([level, np.log(scale) + 0.1, np.log(A), 0.0, 0.0, 0.01, 0.0])
     weights = np.array([0.0, 0.0, 1.0 / LOG_ERROR, 1.0, 1.0 / LOG_ERROR, free, free])
-    bounds, point = (first - REACH, first + REACH), first
+    bounds, point = (first - MAX_STEP, first + MAX_STEP), first
     for _ in range(ROUNDS):
         fit = scipy.optimize.least_squares(
             residuals, point, bounds=bounds, x_scale="jac", max_nfev=EVALUATIONS
@@ -154,13 +154,13 @@ def fitted_slope(t, x, friction, r, *, rested=0.0, x_error=0.0, state_error=0.0)
     white, _ = noise.whiten(t, columns)
     covariance = np.linalg.inv(white.T @ white + np.diag(weights**2))
     # (change of ln k if the assumed a and healing change by their standard deviations)
-    assumed = float(np.hypot(*covariance[1, [2, 4]])) / LOG_ERROR
+    assumed_error = float(np.hypot(*covariance[1, [2, 4]])) / LOG_ERROR
     u, even = np.maximum(x, 0.0) / x[-1], np.linspace(0.0, x[-1], 100)
     with_cubic = np.column_stack([columns[:, columns.any(axis=0)], u**2, u**3])
     return Slope(
         point,
-        independent_error=float(np.sqrt(covariance[1, 1] - assumed**2)),
-        shared_error=float(np.hypot(assumed, state_error)),
+        independent_error=float(np.sqrt(covariance[1, 1] - assumed_error**2)),
+        shared_error=float(np.hypot(assumed_error, state_error)),
         misfit=fall_of_chi2(t, residual, with_cubic, 2, noise),
         r=float(creep(point)[0]),
         straight=float(np.polyfit(even, model(point, even), 1)[0]),
@@ -184,7 +184,7 @@ def slopes_of(t, friction, segments, drops):
             slopes += [_slope_between_drops(t, friction, *phase, V) for phase in phases]
         elif i:
             slopes.append(_slope_after_change(t, friction, rows, segments, i))
-    return [one for one in slopes if one is not None]
+    return [slope for slope in slopes if slope is not None]
 
 
 def _slope_after_change(t, friction, rows, segments, i):
@@ -204,8 +204,8 @@ def _slope_after_change(t, friction, rows, segments, i):
     if last < FEWEST or smooth[extreme] < LEAST * sample_noise(friction[rows]):
         return None
     rows = np.concatenate([before, rows[:last]])
-    moved = segments.displacement(t[rows]) - segments.displacement(start)
-    x = np.where(t[rows] < start, V * (t[rows] - start), moved)
+    distance = segments.displacement(t[rows]) - segments.displacement(start)
+    x = np.where(t[rows] < start, V * (t[rows] - start), distance)
     errors = {"x_error": V * segments.t_error[i], "state_error": STATE_ERROR[kind]}
     slope = fitted_slope(t[rows], x, friction[rows], last_V / V, rested=rested, **errors)
     return slope and slope._replace(kind=kind, start=start, rows=rows)
@@ -217,12 +217,12 @@ def _rows_before(t, segments, i):
     They are the last part of a slide, or the relaxation in a hold, thinned if it has many rows.
     """
     begin, start = segments.t[i - 1 : i + 1]
-    late = np.arange(*np.searchsorted(t, (start - LATE * (start - begin), start)))
+    final = np.arange(*np.searchsorted(t, (start - HOLD_PART * (start - begin), start)))
     if segments.V[i - 1] == 0.0:
-        early = late[:-MOST_BEFORE]
-        return np.append(early[:: early.size // MOST_EARLY + 1], late[-MOST_BEFORE:])
-    last = int(np.count_nonzero(t[late] >= start - BEFORE * (start - begin)))
-    return late[-min(max(last, FEWEST_BEFORE), MOST_BEFORE) :]
+        before = final[:-MOST_BEFORE]
+        return np.append(before[:: before.size // MOST_EARLY + 1], final[-MOST_BEFORE:])
+    last = int(np.count_nonzero(t[final] >= start - LEVEL_PART * (start - begin)))
+    return final[-min(max(last, FEWEST_BEFORE), MOST_BEFORE) :]
 
 
 def _index_at_level(t, rise, smooth, level):

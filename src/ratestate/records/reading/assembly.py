@@ -62,22 +62,22 @@ def build_record(tables, lab, *, time=None, displacement=None, max_rows=MAX_ROWS
         raise sentences.refusal("join.unknown", join=join, ways=", ".join(map(repr, JOINS)))
     constants = {s: constant_in_si(s, value) for s, value in lab.constants.items()}
     given = {"time": (time, "time"), "delta_lp": (displacement, "displacement")}
-    windows = {s: parse_window(s, *one) for s, one in given.items() if one[0] is not None}
+    windows = {s: parse_window(s, *window) for s, window in given.items() if window[0] is not None}
     parts = [_read_rows(table, lab, constants) for table in tables]
-    kept, join_notes = _join_files([part for part, _ in parts], join, constants)
+    rows, join_notes = _join_files([part for part, _ in parts], join, constants)
     file_notes = [note for _, notes in parts for note in notes] + join_notes
-    sources = {s: {"title": kept.columns[s].title, "unit": kept.units[s]} for s in kept.record}
-    turned, minor = _prepare(kept, windows, lab, constants)
-    downsample(kept, max_rows)
-    record = kept.record
-    segments = _find_segments(record, kept.gaps)
+    sources = {s: {"title": rows.columns[s].title, "unit": rows.units[s]} for s in rows.record}
+    flipped, minor = _prepare(rows, windows, lab, constants)
+    downsample(rows, max_rows)
+    record = rows.record
+    segments = _find_segments(record, rows.gaps)
     coarse = coarse_resolution(record, segments)
     is_fine = "sigma" in record and not coarse
     stress = stress_steps(record["time"], record["sigma"]) if is_fine else []
     if segments.V.size == 1 and not stress:
         minor.append(sentences("notes.no_step"))
-    messages = kept.warnings + file_notes + size_warnings(record, segments.V)
-    messages += contradictions(kept, coarse)
+    messages = rows.warnings + file_notes + size_warnings(record, segments.V)
+    messages += contradictions(rows, coarse)
     data = _dataset(record, segments)
     data.attrs = {
         "title": "ratestate read_lab",
@@ -85,7 +85,7 @@ def build_record(tables, lab, *, time=None, displacement=None, max_rows=MAX_ROWS
         "source": ", ".join(table.name for table in tables),
         "columns": json.dumps(
             {
-                s: source | ({"sign": -1} if s in turned else {})
+                s: source | ({"sign": -1} if s in flipped else {})
                 for s, source in sources.items()
                 if s in record or s == "pore_pressure"
             }
@@ -97,25 +97,25 @@ def build_record(tables, lab, *, time=None, displacement=None, max_rows=MAX_ROWS
     return data, messages
 
 
-def _prepare(kept, windows, lab, constants):
+def _prepare(rows, windows, lab, constants):
     """Leave out unusable `Rows`, and turn signs; return the turned symbols and notes (lists)."""
-    kept.apply_windows(windows)
-    kept.drop_unreadable()
-    drop_codes(kept)
-    kept.check_order()
-    kept.check_enough()
-    for symbol in kept.record:
-        check_sizes(symbol, kept.record[symbol], kept.columns[symbol], kept.units[symbol])
-    drop_dropouts(kept, "delta_lp", "V_load")  # else zeros at the end look like a backward motion
-    turned, notes = flip_signs(kept.record, lab.signs)
+    rows.apply_windows(windows)
+    rows.drop_unreadable()
+    drop_codes(rows)
+    rows.check_order()
+    rows.check_enough()
+    for symbol in rows.record:
+        check_sizes(symbol, rows.record[symbol], rows.columns[symbol], rows.units[symbol])
+    drop_dropouts(rows, "delta_lp", "V_load")  # else zeros at the end look like a backward motion
+    flipped, notes = flip_signs(rows.record, lab.signs)
     for symbol, value in constants.items():
-        kept.record[symbol] = np.full(kept.kept.size, value)
-    pore_pressure = kept.record.pop("pore_pressure", 0.0)
-    if "sigma" in kept.record:
-        kept.record["sigma"] = kept.record["sigma"] - pore_pressure
-    notes += drop_impossible(kept)
-    kept.find_gaps()
-    return turned, notes
+        rows.record[symbol] = np.full(rows.kept.size, value)
+    pore_pressure = rows.record.pop("pore_pressure", 0.0)
+    if "sigma" in rows.record:
+        rows.record["sigma"] = rows.record["sigma"] - pore_pressure
+    notes += drop_impossible(rows)
+    rows.find_gaps()
+    return flipped, notes
 
 
 def _read_rows(table, lab, constants):
@@ -129,7 +129,7 @@ def _read_rows(table, lab, constants):
     if ratio := _ratio_of_forces(chosen, units):
         notes.append(sentences("notes.forces", title=ratio.title))
         chosen, units = (
-            {s: x for s, x in one.items() if s not in ("tau", "sigma")} for one in (chosen, units)
+            {s: x for s, x in part.items() if s not in ("tau", "sigma")} for part in (chosen, units)
         )
         chosen["friction"] = ratio
     if unused := units.keys() - chosen.keys():
@@ -207,9 +207,9 @@ def _join_files(parts, join, constants):
     pieces = {s: [part.record[s] for part in parts] for s in symbols}
     times = pieces["time"]
     from_zero = all(0.0 <= _end_values(t)[0] <= NEAR_ZERO * _typical_step(t) for t in times)
-    for i, (one, other) in enumerate(itertools.pairwise(parts)):
+    for i, (before, after) in enumerate(itertools.pairwise(parts)):
         end, begin = _end_values(times[i])[1], _end_values(times[i + 1])[0]
-        names = {"before": one.name, "after": other.name}
+        names = {"before": before.name, "after": after.name}
         if join == "restart" or (join == "auto" and from_zero):
             added = end + _typical_step(times[i + 1]) - begin
             times[i + 1] = times[i + 1] + added
@@ -219,8 +219,8 @@ def _join_files(parts, join, constants):
                 notes.append(sentences("notes.zeroed", added=added, **names))
         elif begin < end:
             places = {
-                "last_row": one.row_label(np.flatnonzero(np.isfinite(times[i]))[-1]),
-                "first_row": other.row_label(np.flatnonzero(np.isfinite(times[i + 1]))[0]),
+                "last_row": before.row_label(np.flatnonzero(np.isfinite(times[i]))[-1]),
+                "first_row": after.row_label(np.flatnonzero(np.isfinite(times[i + 1]))[0]),
             }
             raise sentences.refusal("join.overlap", end=end, begin=begin, **names, **places)
     starts = np.cumsum([0, *(t.size for t in times)]).tolist()
@@ -237,8 +237,8 @@ def _common_symbols(parts, constants):
     notes = []
     for symbol in [s for s in present if s not in symbols]:
         name = next(part.name for part in parts if symbol in part.record)
-        lacking = next(part.name for part in parts if symbol not in part.record)
-        values = {"symbol": symbol, "name": name, "lacking": lacking}
+        name_without = next(part.name for part in parts if symbol not in part.record)
+        values = {"symbol": symbol, "name": name, "lacking": name_without}
         if not all({*ways} & {*symbols, *constants} for ways in REQUIRED.values()):
             raise sentences.refusal("join.columns", **values)
         notes.append(sentences("notes.not_in_all", **values))
@@ -260,5 +260,5 @@ def _zeroing_offset(before, after):
     """Return the offset of a displacement that was set to 0 between files; 0 if it was not."""
     (begin, end), (next_, last) = _end_values(before), _end_values(after)
     steps = np.concatenate([np.abs(np.diff(x[np.isfinite(x)])) for x in (before, after)])
-    back = (end - next_) * np.sign(end - begin + last - next_)
-    return end - next_ if back > ZEROED * steps.max(initial=0.0) else 0.0
+    reversal = (end - next_) * np.sign(end - begin + last - next_)
+    return end - next_ if reversal > ZEROED * steps.max(initial=0.0) else 0.0

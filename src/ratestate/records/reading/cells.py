@@ -82,12 +82,12 @@ def detect_clock(cell, unit=""):
     match = _TIME.fullmatch(cell)
     if match is None:
         return None
-    alone = not (match["third"] or match["part"] or match["date"] or match["half"])
+    is_bare = not (match["third"] or match["part"] or match["date"] or match["half"])
     written = re.sub(r"\W", "", unit.lower())
     in_minutes = written in ("mmss", "mss", "ms")
-    if alone and not in_minutes and written not in ("hhmm", "hmm", "hm"):
+    if is_bare and not in_minutes and written not in ("hhmm", "hmm", "hm"):
         return None  # it may be hours and minutes, or minutes and seconds
-    return Clock(bool(match["part"]) or (alone and in_minutes))
+    return Clock(bool(match["part"]) or (is_bare and in_minutes))
 
 
 def _day_numbers(dates):
@@ -184,16 +184,16 @@ def parse_rows(lines, layout):
     if len(lines) > CHUNK:
         starts = range(0, len(lines), CHUNK)
         parts = [parse_rows(lines[i : i + CHUNK], layout) for i in starts]
-        places = [start + own for start, (_, own) in zip(starts, parts, strict=True)]
+        places = [start + place for start, (_, place) in zip(starts, parts, strict=True)]
         return np.concatenate([values for values, _ in parts]), np.concatenate(places)
     width = layout.width
-    full = [i for i, line in enumerate(lines) if has_content(line)]
-    rows = [drop_empty_end(split_cells(lines[i], layout.delimiter), width) for i in full]
+    filled = [i for i, line in enumerate(lines) if has_content(line)]
+    rows = [drop_empty_end(split_cells(lines[i], layout.delimiter), width) for i in filled]
     rows = [cells if len(cells) <= width else [] for cells in rows]
     values = np.empty((len(rows), width))
     for j, cells in enumerate(itertools.zip_longest(*rows, [""] * width, fillvalue="")):
         values[:, j] = _parse_column(cells[:-1], j, layout)
-    return values, np.array(full, int)
+    return values, np.array(filled, int)
 
 
 def _parse_numbers(lines, layout):

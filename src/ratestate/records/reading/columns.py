@@ -79,7 +79,7 @@ class Table(NamedTuple):
 
     def cell(self, row, column):
         """Return a cell that is not a number for a message: in quotes, or "nothing" if empty."""
-        index = next((i for i, one in enumerate(self.columns) if one.values is column.values), None)
+        index = next((i for i, x in enumerate(self.columns) if x.values is column.values), None)
         if self.cell_text is None or self.lines is None or index is None:
             return quoted(str(column.values[row]))
         text = self.cell_text(int(self.lines[row]), index)
@@ -103,8 +103,8 @@ def check_requests(columns, units):
     if not isinstance(columns, dict) or not columns.keys() <= PATTERNS.keys():
         given = f" (given {name_list([*map(str, columns)])})" if isinstance(columns, dict) else ""
         raise sentences.refusal("columns.symbols", symbols=symbols, given=given)
-    sound = isinstance(units, dict) and all(isinstance(unit, str) for unit in units.values())
-    if not sound or not units.keys() <= PATTERNS.keys():
+    is_valid = isinstance(units, dict) and all(isinstance(unit, str) for unit in units.values())
+    if not is_valid or not units.keys() <= PATTERNS.keys():
         raise sentences.refusal("units.type", units=units, symbols=symbols)
 
 
@@ -188,13 +188,13 @@ def requested_column(table, symbol, request):
     values["request"] = quoted(request)
     for spelling in (str, letters):
         for names in (titles, [column.name for column in table.columns]):
-            same = [i for i, name in enumerate(names) if spelling(name) == spelling(request)]
-            if len(same) == 1:
-                return same[0]
-            if same:
-                numbers = ", ".join(str(i + 1) for i in same)
+            matches = [i for i, name in enumerate(names) if spelling(name) == spelling(request)]
+            if len(matches) == 1:
+                return matches[0]
+            if matches:
+                numbers = ", ".join(str(i + 1) for i in matches)
                 raise sentences.refusal(
-                    "columns.several", count=len(same), numbers=numbers, **values
+                    "columns.several", count=len(matches), numbers=numbers, **values
                 )
     near = nearest(request, titles) or nearest(request, [column.name for column in table.columns])
     meant = f" Did you mean {quoted(near)}?" if near else ""
@@ -211,24 +211,24 @@ def column_by_name(table, symbol, taken, needed=False):
         for i, column in enumerate(table.columns)
         if i not in taken and (rank := column.rank(symbol)) is not None
     }
-    same = [i for i, rank in ranks.items() if rank == min(ranks.values())]
-    if len(same) > 1 and needed:
-        values = {"symbol": symbol, "column": _reference(table, same[0])}
-        titles = name_list([table.titles[i] for i in same])
+    best = [i for i, rank in ranks.items() if rank == min(ranks.values())]
+    if len(best) > 1 and needed:
+        values = {"symbol": symbol, "column": _reference(table, best[0])}
+        titles = name_list([table.titles[i] for i in best])
         raise sentences.refusal("columns.ambiguous", titles=titles, **values)
-    return same[0] if len(same) == 1 else None
+    return best[0] if len(best) == 1 else None
 
 
 def _column_by_unit(table, symbol, taken):
     """Return a reference to the only free column with a unit of this quantity; else ""."""
-    same = []
+    matches = []
     for i, column in enumerate(table.columns):
         other = TABLE["quantities"][symbol].get("moves") and column.has_word("elsewhere")
         if i not in taken and not other:
             with contextlib.suppress(ParameterError):
                 unit_of(column, symbol, {})
-                same.append(i)
-    return _reference(table, same[0]) if len(same) == 1 else ""
+                matches.append(i)
+    return _reference(table, matches[0]) if len(matches) == 1 else ""
 
 
 def _reference(table, index):

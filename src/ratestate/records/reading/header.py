@@ -38,7 +38,7 @@ class Header(NamedTuple):
 
     def split_units(self):
         """Return the name, unit and contradicting unit of each column (list of tuples)."""
-        return [name_and_units(*one) for one in zip(self.names, self.units, strict=True)]
+        return [name_and_units(*pair) for pair in zip(self.names, self.units, strict=True)]
 
     def normalized(self):
         """Return `split_units` without differences of spelling."""
@@ -65,17 +65,17 @@ def parse_header(lines, delimiter, width, written=None):
     else:
         name_rows = _xlook_names(kept, records, width)
     above, names = [None, None, *name_rows][-2:]
-    nothing = [""] * width
+    blank = [""] * width
     if names is None:
         if kept and not is_comment(kept[-1]):
             values = {"header": quoted(kept[-1].strip()), "width": width, "line": len(lines) + 1}
             count = len(_split_line(kept[-1].strip(" \n"), delimiter))
             raise sentences.refusal("text.header", count=count, **values)
-        return Header(nothing, nothing)
+        return Header(blank, blank)
     texts = tuple(line.strip() for line in kept)
     if above and any(names) and all(not plain_unit(name) or is_unit(name) for name in names):
         return Header(above, names, lines=texts)
-    return Header(names, nothing, lines=texts)
+    return Header(names, blank, lines=texts)
 
 
 def check_headers(lines, rows, layout, above, header, name):
@@ -101,8 +101,8 @@ def check_headers(lines, rows, layout, above, header, name):
 
 def _is_header(line, layout, first):
     """Return whether a line has at least two names or units, known or from the first header."""
-    ways = [_split_names(line, layout.delimiter, layout.width) or []]
-    for names in ways if is_comment(line) else [*ways, _split_line(line, layout.delimiter)]:
+    splits = [_split_names(line, layout.delimiter, layout.width) or []]
+    for names in splits if is_comment(line) else [*splits, _split_line(line, layout.delimiter)]:
         numbers = any(not math.isnan(parse_number(name)) for name in names)
         if not numbers and sum(name in first or is_recognized(name) for name in names if name) > 1:
             return True
@@ -139,19 +139,19 @@ def _xlook_names(lines, records, width):
     ends = [match.end() for match in re.finditer(r"\d+\s*recs?", records, re.IGNORECASE)]
     if len(ends) not in (width - 1, width):
         return [None for _ in lines]
-    wide = int(max(np.diff(ends), default=ends[0]))
+    column_width = int(max(np.diff(ends), default=ends[0]))
     last = max(len(line.rstrip()) for line in lines)
-    starts = [max(0, last - wide * i) for i in range(len(ends), 0, -1)]
+    starts = [max(0, last - column_width * i) for i in range(len(ends), 0, -1)]
     unnamed = [""] * (width - len(ends))
-    return [unnamed + [line[i : i + wide].strip() for i in starts] for line in lines]
+    return [unnamed + [line[i : i + column_width].strip() for i in starts] for line in lines]
 
 
 def _split_names(line, delimiter, width, written=None):
     """Return the names in a line above the numbers; None unless there is one for each column."""
     line = line.strip(" \n").lstrip(COMMENTS).strip(" ")
-    ways = [_split_line(line, delimiter), re.split(r"\s{2,}|\t", line)]
-    ways += [_split_line(line, ","), _split_line(line, "\t"), line.split()]
-    for cells in ways:
+    splits = [_split_line(line, delimiter), re.split(r"\s{2,}|\t", line)]
+    splits += [_split_line(line, ","), _split_line(line, "\t"), line.split()]
+    for cells in splits:
         if len(cells) == written:
             cells = cells[:width]
         # there may be a column of remarks that is empty in most rows

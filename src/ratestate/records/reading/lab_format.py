@@ -85,7 +85,7 @@ class LabFormat:
         if sigma is not None:
             if "sigma" in columns:
                 raise sentences.refusal("columns.sigma_twice", sigma=sigma, column=columns["sigma"])
-            saved = [{s: x for s, x in one.items() if s != "sigma"} for one in saved]
+            saved = [{s: x for s, x in table.items() if s != "sigma"} for table in saved]
             constants = {"sigma": sigma}
         columns, units = saved[0] | columns, saved[1] | units
         return dataclasses.replace(self, columns=columns, units=units, constants=constants)
@@ -108,8 +108,8 @@ def read_lab_format(path):
     except TypeError:
         raise sentences.refusal("format.path", path=path) from None
     except (OSError, ValueError) as error:  # (ValueError: a null character in the path)
-        what = getattr(error, "strerror", None) or error
-        raise sentences.refusal("format.unreadable", path=path, error=what) from None
+        reason = getattr(error, "strerror", None) or error
+        raise sentences.refusal("format.unreadable", path=path, error=reason) from None
     if len(contents) > MAX_BYTES:
         raise sentences.refusal("format.large", name=path.name, most=MAX_BYTES)
     try:
@@ -131,11 +131,11 @@ def _problems(name, table):
         yield sentences("format.no_table", table=name, key=TABLES[name][0][0])
     else:
         for key, value in table.items():
-            where = {"table": name, "key": key, "value": value}
+            position = {"table": name, "key": key, "value": value}
             if key not in TABLES[name][0]:
-                yield sentences("format.key", wanted=one_of(TABLES[name][0], key), **where)
+                yield sentences("format.key", wanted=one_of(TABLES[name][0], key), **position)
             elif (wanted := _expected(name, key, value)) is not None:
-                yield sentences("format.value", wanted=wanted, **where)
+                yield sentences("format.value", wanted=wanted, **position)
 
 
 def _expected(table, key, value):
@@ -144,14 +144,14 @@ def _expected(table, key, value):
         valid = [*DELIMITER_NAMES] if key == "delimiter" else [*DECIMALS]
         return None if value in valid else f"one of {', '.join(map(repr, valid))}"
     if table == "columns":
-        sound = isinstance(value, str) or (type(value) is int and value > 0)
-        return None if sound else "the title of a column, or its number from 1 on"
+        is_valid = isinstance(value, str) or (type(value) is int and value > 0)
+        return None if is_valid else "the title of a column, or its number from 1 on"
     if table == "signs":
-        sound = type(value) is int and abs(value) == 1
-        return None if sound else "1, as in the file, or -1, the opposite"
+        is_valid = type(value) is int and abs(value) == 1
+        return None if is_valid else "1, as in the file, or -1, the opposite"
     if table == "units":
-        sound = isinstance(value, str) and has_unit(key, plain_unit(value))
-        return None if sound else f"a unit such as {EXAMPLE_UNIT[key]!r}"
+        is_valid = isinstance(value, str) and has_unit(key, plain_unit(value))
+        return None if is_valid else f"a unit such as {EXAMPLE_UNIT[key]!r}"
     quantity = quantity_of(key, value)
     try:
         to_si(key if quantity in WHOLE_CONTACT else quantity, value)
@@ -244,8 +244,8 @@ def _table(name, values, others=None, remark=""):
     others = examples if others is None else others
     lines = {key: f"# {key} = {_toml(value)}{remark}\n" for key, value in others.items()}
     lines |= {key: f"{key} = {_toml(value)}\n" for key, value in values.items()}
-    off = "# " if examples and not values else ""
-    return f"\n# {comment}\n{off}[{name}]\n" + "".join(lines.values())
+    comment_mark = "# " if examples and not values else ""
+    return f"\n# {comment}\n{comment_mark}[{name}]\n" + "".join(lines.values())
 
 
 def _column(symbol, index, table):

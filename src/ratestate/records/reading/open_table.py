@@ -92,9 +92,9 @@ def open_table(path, delimiters=DELIMITERS, decimal=None):
             return read_isolated(read_hdf5, path, "HDF5")
         if head.startswith(MAT) or PurePath(path.name).suffix.lower() == ".mat":
             return read_isolated(read_mat, path, "a MAT file")
-        for begin, what in OTHER_FORMATS.items():
+        for begin, format_name in OTHER_FORMATS.items():
             if head.startswith(begin):
-                raise sentences.refusal("file.foreign", name=path.name, what=what)
+                raise sentences.refusal("file.foreign", name=path.name, what=format_name)
         return read_text(path, delimiters, decimal)
     except MissingFileError:
         raise
@@ -151,7 +151,7 @@ def refuse_other_files(file, name):
         if isinstance(item, h5py.Dataset):
             others = [other for other, *_ in item.external or ()]
             sources = item.virtual_sources() if item.is_virtual else []
-            others += [one.file_name for one in sources if one.file_name != "."]  # this file
+            others += [x.file_name for x in sources if x.file_name != "."]  # this file
             return (title, others[0]) if others else None
 
     def other_of_link(title, link):

@@ -111,7 +111,7 @@ def read_lab(
     paths = path if isinstance(path, list | tuple) else [path]
     if not paths:
         raise sentences.refusal("join.none")
-    tables = [lab.open(as_file(one)) for one in paths]
+    tables = [lab.open(as_file(file)) for file in paths]
     windows = {"time": time, "displacement": displacement}
     data, messages = build_record(tables, lab, **windows, max_rows=max_rows, join=join)
     for text in messages:

@@ -74,11 +74,11 @@ class Rows:
             values = {"title": title, "symbol": symbol, "row": self.row_label(row), "cell": cell}
             raise sentences.refusal("column.dates" if dated else "column.no_numbers", **values)
 
-    def keep(self, which):
+    def keep(self, selection):
         """Keep only the rows that a mask or slice along `kept` selects."""
-        self.kept = self.kept[which]
+        self.kept = self.kept[selection]
         for symbol, values in self.record.items():  # one by one to save memory
-            self.record[symbol] = values[which]
+            self.record[symbol] = values[selection]
 
     def leave_out(self, bad, why, shown=None):
         """Leave out the rows of a mask along `kept`; add a warning if there are any.
@@ -129,17 +129,17 @@ class Rows:
         self.check_numbers()
         while True:
             good = {symbol: np.isfinite(values) for symbol, values in self.record.items()}
-            whole, some = np.all([*good.values()], axis=0), np.any([*good.values()], axis=0)
-            if 2 * whole.sum() >= some.sum():
+            is_whole, has_any = np.all([*good.values()], axis=0), np.any([*good.values()], axis=0)
+            if 2 * is_whole.sum() >= has_any.sum():
                 break
             symbol = min(good, key=lambda name: good[name].sum())
             values = {
                 "title": quoted(self.columns[symbol].title),
                 "symbol": symbol,
                 "count": int(good[symbol].sum()),
-                "whole": int(whole.sum()),
-                "rows": int(some.sum()),
-                "row": self.row_label(self.kept[np.argmax(some & ~good[symbol])]),
+                "whole": int(is_whole.sum()),
+                "rows": int(has_any.sum()),
+                "row": self.row_label(self.kept[np.argmax(has_any & ~good[symbol])]),
             }
             if "friction" not in self.record or symbol not in ("tau", "sigma"):
                 raise sentences.refusal("column.sparse", **values)
@@ -150,20 +150,20 @@ class Rows:
             symbol = next(symbol for symbol in good if not good[symbol][i])
             return f"{self.cell(self.kept[i], symbol)} in {quoted(self.columns[symbol].title)}"
 
-        self.leave_out(~whole, "because a number is missing", bad_cell)
+        self.leave_out(~is_whole, "because a number is missing", bad_cell)
 
     def check_order(self):
         """Leave out rows that repeat a time; ParameterError if times run backwards."""
         t = self.record["time"]
         steps = np.diff(t)
         if (steps < 0.0).any():
-            back = np.flatnonzero(steps < 0.0) + 1
-            first, next_ = t[back[0] - 1 : back[0] + 1]
+            backwards = np.flatnonzero(steps < 0.0) + 1
+            first, next_ = t[backwards[0] - 1 : backwards[0] + 1]
             raise sentences.refusal(
-                "rows.backwards", rows=self.list_rows(back), first=first, next=next_
+                "rows.backwards", rows=self.list_rows(backwards), first=first, next=next_
             )
-        usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
-        repeated = np.append(False, steps <= REPEATED_TIME * usual)
+        typical = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+        repeated = np.append(False, steps <= REPEATED_TIME * typical)
         self.leave_out(repeated, "because the time is repeated", lambda i: f"{t[i]:.10g} s")
         if 10 * repeated.sum() > t.size:
             self.warnings[-1] += " (the times have too few digits)"

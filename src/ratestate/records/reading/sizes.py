@@ -36,11 +36,11 @@ def size_warnings(record, speeds):
     stress = float(np.median(record["sigma"])) if "sigma" in record else COMMON_STRESS[0]
     if not COMMON_STRESS[0] <= stress <= COMMON_STRESS[1]:
         notes.append(sentences("notes.stress", stress=stress))
-    far = float(np.ptp(record["delta_lp"])) if "delta_lp" in record else 0.0
+    span = float(np.ptp(record["delta_lp"])) if "delta_lp" in record else 0.0
     fastest = float(np.max(speeds))
-    if far > COMMON_DISTANCE or fastest > COMMON_SPEED:
-        sizes = {"far": far, "most": COMMON_DISTANCE, "V": fastest, "fast": COMMON_SPEED}
-        notes.append(sentences("notes.far" if far > COMMON_DISTANCE else "notes.fast", **sizes))
+    if span > COMMON_DISTANCE or fastest > COMMON_SPEED:
+        sizes = {"far": span, "most": COMMON_DISTANCE, "V": fastest, "fast": COMMON_SPEED}
+        notes.append(sentences("notes.far" if span > COMMON_DISTANCE else "notes.fast", **sizes))
     return notes
 
 
@@ -56,10 +56,10 @@ def constant_in_si(symbol, value):
     return float(number)
 
 
-def check_stress(wrong, values):
-    """Raise ParameterError for the first row of a normal stress (n,) in a mask `wrong` (n,)."""
-    if wrong.any():
-        row = int(np.argmax(wrong))
+def check_stress(is_wrong, values):
+    """Raise ParameterError for the first row of a normal stress (n,) in a mask `is_wrong` (n,)."""
+    if is_wrong.any():
+        row = int(np.argmax(is_wrong))
         raise sentences.refusal("column.stress", value=values[row], row=row)
 
 
@@ -86,9 +86,9 @@ def check_sizes(symbol, values, column, unit):
     names = {"title": quoted(column.title), "symbol": symbol, "unit": unit}
     # sigma and pore_pressure may be constant, and V_load may be in a record without a step
     if symbol not in ("sigma", "V_load", "pore_pressure") and not np.ptp(values) > 0.0:
-        what = "tau, and so friction perhaps," if symbol == "tau" else symbol
+        quantity = "tau, and so friction perhaps," if symbol == "tau" else symbol
         raise sentences.refusal(
-            "column.dead", what=what, value=values[0], rows=values.size, **names
+            "column.dead", what=quantity, value=values[0], rows=values.size, **names
         )
     span = symbol in ("time", "delta_lp")
     size = float(np.ptp(values) if span else np.median(np.abs(values)))

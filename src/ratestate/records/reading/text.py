@@ -64,16 +64,16 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
         while len(head) < MAX_HEADER_LINES + LAYOUT_LINES and (lines := next(blocks, None)):
             head += lines
         above = labview_header_end(head)
-        full = [i for i, line in enumerate(head) if has_content(line) and i >= above]
-        start, delimiter = _find_first_row(path, head, full, delimiters)
-        rows = [i for i in full[full.index(start) :] if i < start + LAYOUT_LINES]
+        filled = [i for i, line in enumerate(head) if has_content(line) and i >= above]
+        start, delimiter = _find_first_row(path, head, filled, delimiters)
+        rows = [i for i in filled[filled.index(start) :] if i < start + LAYOUT_LINES]
         samples = [split_cells(head[i], delimiter) for i in rows]
         written = Counter(map(len, samples)).most_common(1)[0][0]
-        whole = [drop_empty_end(cells) for cells in samples if len(cells) == written]
-        width = max(map(len, whole))
+        complete = [drop_empty_end(cells) for cells in samples if len(cells) == written]
+        width = max(map(len, complete))
         header = parse_header(head[:start], delimiter, width, written)
-        decimal = _decimal_mark(path, whole) if decimal is None else decimal
-        layout = Layout(delimiter, decimal, width, _detect_clocks(whole, header))
+        decimal = _decimal_mark(path, complete) if decimal is None else decimal
+        layout = Layout(delimiter, decimal, width, _detect_clocks(complete, header))
         blocks = itertools.chain([head[start:]], blocks)
         values, numbers = _parse_blocks(blocks, layout, start, most, header, path.name)
     if header.times:
@@ -136,7 +136,7 @@ def _detect_clocks(rows, header):
     clocks = {}
     for j, (_, unit, _) in enumerate(header.split_units()):
         detected = (detect_clock(row[j], unit) for row in rows if len(row) > j)
-        if clock := next((one for one in detected if one is not None), None):
+        if clock := next((known for known in detected if known is not None), None):
             clocks[j] = clock
     return clocks
 
@@ -176,8 +176,8 @@ def _parse_blocks(blocks, layout, start, most, header, name):
     for lines in blocks:
         parsed, indices = parse_rows(lines, layout)
         check_headers(lines, indices[np.isfinite(parsed).any(axis=1)], layout, start, header, name)
-        here = slice(count, count + indices.size)
-        values[:, here], numbers[here] = parsed.T, indices + (start + 1)
+        columns = slice(count, count + indices.size)
+        values[:, columns], numbers[columns] = parsed.T, indices + (start + 1)
         start += len(lines)
         count += indices.size
     return values[:, :count], numbers[:count]
@@ -204,20 +204,20 @@ def _is_number(cell):
     return any(not np.isnan(parse_number(cell, mark)) for mark in ".,")
 
 
-def _find_first_row(path, lines, full, delimiters):
+def _find_first_row(path, lines, filled, delimiters):
     """Return the index of the first line of numbers, and the delimiter of its cells."""
-    for start, after in itertools.pairwise(full[: MAX_HEADER_LINES + 1]):
+    for start, after in itertools.pairwise(filled[: MAX_HEADER_LINES + 1]):
         for delimiter in delimiters:
-            both = [split_cells(lines[i], delimiter) for i in (start, after)]
-            sparse = all(_is_data_row(cells, dense=False) for cells in both)
+            pair = [split_cells(lines[i], delimiter) for i in (start, after)]
+            sparse = all(_is_data_row(cells, dense=False) for cells in pair)
             # the next line must have as many cells: a date above the table is numbers as well
-            if (_is_data_row(both[0]) or sparse) and len(both[0]) == len(both[1]):
+            if (_is_data_row(pair[0]) or sparse) and len(pair[0]) == len(pair[1]):
                 return start, delimiter
-    rows = [i for i in full if any(_is_data_row(split_cells(lines[i], x)) for x in delimiters)]
+    rows = [i for i in filled if any(_is_data_row(split_cells(lines[i], x)) for x in delimiters)]
     if len(rows) == 1:
         raise sentences.refusal("text.one_row", name=path.name)
-    begins = " and ".join(quoted(lines[i].strip()) for i in full[:2])
-    sentence = "text.no_numbers" if full else "text.empty"
+    begins = " and ".join(quoted(lines[i].strip()) for i in filled[:2])
+    sentence = "text.no_numbers" if filled else "text.empty"
     raise sentences.refusal(sentence, name=path.name, begins=begins)
 
 
@@ -225,9 +225,9 @@ def _decimal_mark(path, rows):
     """Return the decimal mark of numbers in these rows; ParameterError if it is ambiguous."""
     cells = [cell for row in rows for cell in row if "," in cell or "." in cell]
     marks = [[mark for mark in ".," if not np.isnan(parse_number(cell, mark))] for cell in cells]
-    certain = Counter(possible[0] for possible in marks if len(possible) == 1)
-    if certain:
-        return certain.most_common(1)[0][0]
+    counts = Counter(possible[0] for possible in marks if len(possible) == 1)
+    if counts:
+        return counts.most_common(1)[0][0]
     pairs = zip(cells, marks, strict=True)
     grouped = [cell for cell, possible in pairs if possible and "," in cell]
     if grouped and not any("." in cell for cell in cells):

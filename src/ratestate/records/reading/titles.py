@@ -10,11 +10,11 @@ from ...model.units import has_unit
 #: the tables of column_names.toml
 TABLE = tomllib.loads(Path(__file__).with_name("column_names.toml").read_text("utf-8"))
 #: symbol -> least and largest typical size [SI]; symbol -> unit to suggest
-TYPICAL_RANGES = {symbol: tuple(of["usual"]) for symbol, of in TABLE["quantities"].items()}
-EXAMPLE_UNIT = {symbol: of["unit"] for symbol, of in TABLE["quantities"].items()}
+TYPICAL_RANGES = {symbol: tuple(row["usual"]) for symbol, row in TABLE["quantities"].items()}
+EXAMPLE_UNIT = {symbol: row["unit"] for symbol, row in TABLE["quantities"].items()}
 #: kind of word in a title -> pattern to search in `spaced` names
 WORDS = {name: re.compile(pattern) for name, pattern in TABLE["words"].items()}
-_UNITS = {name: of.split() for name, of in TABLE["units"].items() if name != "words"}
+_UNITS = {name: text.split() for name, text in TABLE["units"].items() if name != "words"}
 _UNIT_NAMES = {unit.lower() for unit in _UNITS["names"]}
 _BY_LOWERCASE: dict[str, str] = {unit.lower(): unit for unit in _UNITS["names"]}
 #: unit of mass -> unit of the weight that it stands for
@@ -52,7 +52,7 @@ def split_title(title):
     title = " ".join(title.split()).strip('"')
     title = title.strip("'") if title.startswith("'") else title
     if matches := [*_BRACKET.finditer(title)]:
-        of_unit = next((one for one in matches if is_unit(one[1])), matches[-1])
+        of_unit = next((found for found in matches if is_unit(found[1])), matches[-1])
         name = f"{title[: of_unit.start()].rstrip(' _,:')} {title[of_unit.end() :].strip()}"
         return name.strip(), of_unit[1].strip()
     for pattern in _UNIT_AFTER:
@@ -67,17 +67,18 @@ def name_and_units(title, unit=""):
 
     unit : unit apart from the title, in a row of units or an attribute
     """
-    name, own = split_title(title)
-    in_words = any(pattern.search(spaced(own)) for pattern in WORDS.values())
-    known = is_unit(own) or any(has_unit(symbol, plain_unit(own)) for symbol in EXAMPLE_UNIT)
-    if own and (unit or in_words) and not known:
+    name, unit_text = split_title(title)
+    in_words = any(pattern.search(spaced(unit_text)) for pattern in WORDS.values())
+    plain = plain_unit(unit_text)
+    known = is_unit(unit_text) or any(has_unit(symbol, plain) for symbol in EXAMPLE_UNIT)
+    if unit_text and (unit or in_words) and not known:
         return title, unit, ""
-    within, inner = split_title(name)
+    name_in_title, inner = split_title(name)
     if not is_unit(inner):
-        within, inner = name, ""
-    first, *others = [one for one in (unit, own, inner) if one] or [""]
-    other = next((one for one in others if plain_unit(one) != plain_unit(first)), "")
-    return within, first, other
+        name_in_title, inner = name, ""
+    first, *others = [text for text in (unit, unit_text, inner) if text] or [""]
+    other = next((text for text in others if plain_unit(text) != plain_unit(first)), "")
+    return name_in_title, first, other
 
 
 def is_recognized(title):
@@ -106,8 +107,8 @@ def plain_unit(unit):
 def _translate_unit(word):
     if word in _UNITS["names"]:
         return word
-    alike = word.islower() or word.isupper() or word.istitle() or word.startswith("K")
-    known = _BY_LOWERCASE.get(word.lower(), word) if alike else word
+    has_free_case = word.islower() or word.isupper() or word.istitle() or word.startswith("K")
+    known = _BY_LOWERCASE.get(word.lower(), word) if has_free_case else word
     return _UNIT_WORDS.get(_without_accents(word), known)
 
 
@@ -124,8 +125,8 @@ def spaced(name):
 
 
 def _without_accents(text):
-    apart = unicodedata.normalize("NFKD", text.lower())
-    return unicodedata.normalize("NFKC", re.sub("[\u0300-\u036f]", "", apart))
+    decomposed = unicodedata.normalize("NFKD", text.lower())
+    return unicodedata.normalize("NFKC", re.sub("[\u0300-\u036f]", "", decomposed))
 
 
 def match_rank(name, symbol):
@@ -133,11 +134,11 @@ def match_rank(name, symbol):
 
     Names with a rank of `CERTAIN` or more may mean something else.
     """
-    of, words = TABLE["quantities"][symbol], spaced(name)
-    if WORDS["statistic"].search(words) or (of.get("moves") and WORDS["elsewhere"].search(words)):
+    row, words = TABLE["quantities"][symbol], spaced(name)
+    if WORDS["statistic"].search(words) or (row.get("moves") and WORDS["elsewhere"].search(words)):
         return None
     commanded = WORDS["setpoint"].search(words)
-    if commanded and not of.get("commanded"):
+    if commanded and not row.get("commanded"):
         return None
     doubtful = commanded or WORDS["raw"].search(words)
     for word in ("setpoint", "raw", "variant"):

@@ -104,10 +104,10 @@ def dropouts(values, least, longest):
     bad = np.zeros(values.size, bool)
     while True:  # without one dropout, the next may be recognized
         kept = np.flatnonzero(~bad)
-        more = kept[_find_dropouts(values[kept], least, longest)]
-        if not more.size or bad.sum() + more.size > values.size // 2:
+        further = kept[_find_dropouts(values[kept], least, longest)]
+        if not further.size or bad.sum() + further.size > values.size // 2:
             return bad
-        bad[more] = True
+        bad[further] = True
 
 
 def _find_dropouts(values, least, longest):
@@ -124,9 +124,9 @@ def _find_dropouts(values, least, longest):
             is_constant = part.size > 1 and np.ptp(part) == 0.0 and jump > np.ptp(rest)
             bad[start:end] = other > 0.0 and (is_constant or not part.any())
         else:
-            into, out = values[start] - values[start - 1], values[end] - values[end - 1]
+            fall, rise = values[start] - values[start - 1], values[end] - values[end - 1]
             net = abs(values[end] - values[start - 1])
-            bad[start:end] = 2.0 * net < min(abs(into), abs(out))
+            bad[start:end] = 2.0 * net < min(abs(fall), abs(rise))
     return bad
 
 
@@ -136,9 +136,9 @@ def _find_jumps(values, least):
     Fewer than 10 samples have no jumps.
     """
     steps = np.abs(np.diff(values))
-    most = 2 * (3 + values.size // SAMPLES_PER_DROPOUT)
-    if values.size >= SAMPLES_PER_DROPOUT // 10 and steps.size > most:
-        largest = np.sort(np.partition(steps, -most - 1)[-most - 1 :])[::-1]
+    n_jumps = 2 * (3 + values.size // SAMPLES_PER_DROPOUT)
+    if values.size >= SAMPLES_PER_DROPOUT // 10 and steps.size > n_jumps:
+        largest = np.sort(np.partition(steps, -n_jumps - 1)[-n_jumps - 1 :])[::-1]
         counts = np.flatnonzero(largest[:-1] > np.maximum(JUMP_RATIO * largest[1:], least))
         if counts.size:
             other = largest[counts[-1] + 1]
@@ -194,11 +194,11 @@ def _friction_disagreement(record):
     """Return a note if friction is not tau/sigma, else ""."""
     if not record.keys() >= {"friction", "tau", "sigma"}:
         return ""
-    good = record["sigma"] != 0.0
-    recorded = np.median(record["friction"][good]) if good.any() else 0.0
+    is_loaded = record["sigma"] != 0.0
+    recorded = np.median(record["friction"][is_loaded]) if is_loaded.any() else 0.0
     if recorded == 0.0:
         return ""
-    ratio = float(np.median(record["tau"][good] / record["sigma"][good]) / recorded)
+    ratio = float(np.median(record["tau"][is_loaded] / record["sigma"][is_loaded]) / recorded)
     return sentences("notes.ratio", ratio=ratio) if abs(ratio - 1.0) > RATIO_TOLERANCE else ""
 
 
@@ -236,8 +236,8 @@ def coarse_resolution(record, segments):
     starts = np.searchsorted(t, segments.t)
     for i, j, V in zip(starts, [*starts[1:], t.size], segments.V, strict=True):
         part = max(1, (j - i) // 10)
-        moved = abs(np.median(x[j - part : j]) - np.median(x[i : i + part]))
-        if V == 0.0 and moved > MAX_DIGITS * digit:
+        change = abs(np.median(x[j - part : j]) - np.median(x[i : i + part]))
+        if V == 0.0 and change > MAX_DIGITS * digit:
             return sentences("notes.coarse", digit=digit)
     return ""
 
@@ -257,11 +257,11 @@ def _velocity_disagreement(rows):
         V = in_si("V_load", column.values[rows.kept], unit_of(column, "V_load", {}))
     except ParameterError:  # the column is not needed
         return ""
-    good = np.isfinite(V)
-    t, x = record["time"][good], record["delta_lp"][good]
+    is_finite = np.isfinite(V)
+    t, x = record["time"][is_finite], record["delta_lp"][is_finite]
     if t.size < 2:
         return ""
-    by_V, by_x = abs(float(np.trapezoid(V[good], t))), abs(float(x[-1] - x[0]))
+    by_V, by_x = abs(float(np.trapezoid(V[is_finite], t))), abs(float(x[-1] - x[0]))
     if abs(by_V - by_x) <= MOVE_TOLERANCE * max(by_V, by_x):
         return ""
     title = quoted(column.title)

@@ -14,14 +14,14 @@ import numpy as np
 import scipy
 
 #: fraction of the drop above and below the middle that is fitted; fewest samples for a cubic
-NEAR, FEWEST = 0.25, 6
+FITTED_PART, FEWEST = 0.25, 6
 #: Newton steps to the crossing of a cubic
 NEWTON = 8
 #: standard deviation of a time that is uniformly distributed within a step, in steps
-ANYWHERE = 1.0 / math.sqrt(12.0)
+UNIFORM_SD = 1.0 / math.sqrt(12.0)
 #: mean and standard deviation by which bounds exceed extremes in noise, as multiples of the noise;
 #: standard errors of the mean excess beyond which noise does not explain it
-BY_NOISE, SPREAD, SURE = 1.7, 2.0, 4.0
+BY_NOISE, SPREAD, SIGNIFICANCE = 1.7, 2.0, 4.0
 #: numbers of samples over which rates of fall are compared; the largest, as a fraction of a fall
 LAGS, OF_FALL = (1, 2, 4, 8, 16, 32), 0.25
 #: least slowing between two falls: standard deviations beyond the range of noise; fraction of drop
@@ -43,11 +43,11 @@ def middles(t, y, peaks, troughs, high, low, level_error, noise):
     """
     crossings = np.full((2, peaks.size), math.nan)
     for i in np.flatnonzero(np.isfinite(high + low)):
-        level, near = 0.5 * (high[i] + low[i]), NEAR * (high[i] - low[i])
+        level, margin = 0.5 * (high[i] + low[i]), FITTED_PART * (high[i] - low[i])
         fall = y[peaks[i] : troughs[i] + 1]
-        above = np.flatnonzero(fall > level + near)
+        above = np.flatnonzero(fall > level + margin)
         first = int(above[-1]) + 1 if above.size else 0
-        below = np.flatnonzero(fall[first:] < level - near)
+        below = np.flatnonzero(fall[first:] < level - margin)
         last = first + int(below[0]) if below.size else fall.size - 1
         crossing = _on_cubic if last - first >= FEWEST else _between_samples
         rows = np.arange(peaks[i] + first, peaks[i] + last + 1)
@@ -66,11 +66,11 @@ def _between_samples(t, y, rows, level, level_error, noise):
     i = min(max(int(rows[np.argmax(below)]), 2), t.size - 2)
     step, fall = t[i] - t[i - 1], y[i - 1] - y[i]
     if not fall > 0.0:
-        return 0.5 * (t[i - 1] + t[i]), step * ANYWHERE
-    x, around = t[i - 2 : i + 2], y[i - 2 : i + 2]
-    second = np.diff(np.diff(around) / np.diff(x)) * 2.0 / (x[2:] - x[:-2]) * step**2
+        return 0.5 * (t[i - 1] + t[i]), step * UNIFORM_SD
+    x, samples = t[i - 2 : i + 2], y[i - 2 : i + 2]
+    second = np.diff(np.diff(samples) / np.diff(x)) * 2.0 / (x[2:] - x[:-2]) * step**2
     bends = np.clip(second / fall, -1.0, 1.0)
-    bend_error = math.hypot(bends.mean() / 8.0, (0.5 * (bends[1] - bends[0])) ** 2 * ANYWHERE)
+    bend_error = math.hypot(bends.mean() / 8.0, (0.5 * (bends[1] - bends[0])) ** 2 * UNIFORM_SD)
     noise_error = min(math.hypot(noise.sd, level_error) / fall, 1.0)
     part = min(max((y[i - 1] - level) / fall, 0.0), 1.0)
     return t[i - 1] + part * step, step * math.hypot(bend_error, noise_error)
@@ -108,7 +108,7 @@ def corrected_for_spikes(t, y, middle, found, sign, noise):
     sample, bound, time, time_error = np.array(bounds).T
     excess = bound - sign * found[0]
     error = math.sqrt(np.mean((SPREAD * noise.sd) ** 2 + found[1] ** 2) / excess.size)
-    if not np.mean(excess) > BY_NOISE * noise.sd + SURE * error:
+    if not np.mean(excess) > BY_NOISE * noise.sd + SIGNIFICANCE * error:
         return found
     low = np.maximum(sample, sign * found[0])
     beyond = np.maximum(bound - low, 0.0)
@@ -116,30 +116,30 @@ def corrected_for_spikes(t, y, middle, found, sign, noise):
     return np.array([sign * (low + 0.5 * beyond), error, time, time_error])
 
 
-def _bound(t, y, middle, away):
+def _bound(t, y, middle, direction):
     """Return the largest sample next to a fall, a bound of nearby maxima, time and its error.
 
     y : (n,) stress, with the sign for which the extreme is a maximum
     middle : first sample after the middle of the fall
-    away : -1 if the maximum is before the fall, 1 if it is after
+    direction : -1 if the maximum is before the fall, 1 if it is after
     """
-    i = middle - (away < 0)
-    while 1 < i + away < t.size - 2 and y[i + away] > y[i]:
-        i += away
+    i = middle - (direction < 0)
+    while 1 < i + direction < t.size - 2 and y[i + direction] > y[i]:
+        i += direction
     if not 2 <= i <= t.size - 3:
         return y[i], -math.inf, t[i], 0.0
-    bounds = [_crossing(t, y, i - away, away), _crossing(t, y, i, away)]
+    bounds = [_crossing(t, y, i - direction, direction), _crossing(t, y, i, direction)]
     return y[i], max(bounds), t[i], 0.5 * (t[i + 1] - t[i - 1])
 
 
-def _crossing(t, y, i, away):
+def _crossing(t, y, i, direction):
     """Return the value at which the lines on both sides of a step meet, or a bound of it."""
-    j = i + away
-    near = (y[i] - y[i - away]) / (t[i] - t[i - away])
-    far = (y[j + away] - y[j]) / (t[j + away] - t[j])
-    start = y[j] + far * (t[i] - t[j])  # the far line at sample i
-    until = (start - y[i]) / (near - far) if near != far else math.inf
-    return y[i] + near * until if 0.0 <= until / (t[j] - t[i]) <= 1.0 else max(start, y[j])
+    j = i + direction
+    near_slope = (y[i] - y[i - direction]) / (t[i] - t[i - direction])
+    far_slope = (y[j + direction] - y[j]) / (t[j + direction] - t[j])
+    start = y[j] + far_slope * (t[i] - t[j])  # the far line at sample i
+    delay = (start - y[i]) / (near_slope - far_slope) if near_slope != far_slope else math.inf
+    return y[i] + near_slope * delay if 0.0 <= delay / (t[j] - t[i]) <= 1.0 else max(start, y[j])
 
 
 def has_several(y, span, noise):
@@ -161,8 +161,8 @@ def has_several(y, span, noise):
         after = np.maximum.accumulate(fall[::-1])[::-1][2 * lag :]
         slack = np.minimum(before, after) - fall[lag:-lag]
         sd = noise.sd * math.sqrt(2.0 * min(noise.inflation / lag, 1.0))
-        many = fall.size * min(OVERLAP / lag, 1.0)
-        noise_limit = (2.0 * math.sqrt(2.0 * math.log(many)) + MARGIN) * sd
+        count = fall.size * min(OVERLAP / lag, 1.0)
+        noise_limit = (2.0 * math.sqrt(2.0 * math.log(count)) + MARGIN) * sd
         if slack.max() > max(noise_limit, OF_DROP * (y[peak] - y[trough])):
             return True
     return False

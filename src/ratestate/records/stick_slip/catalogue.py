@@ -24,13 +24,13 @@ from .lines import Stiffness, Trend, loading_stiffness, trend
 from .series import series_of
 
 #: stress drop divided by the threshold below which similar drops may be missing
-SAFE = 2.0
+SAFE_RATIO = 2.0
 #: stress drop with few samples, as a multiple of the median, that may be several events
 LARGE = 1.5
 #: least peak slip rate of a fast event: fraction of the inertial limit, or multiple of V_lp
 INERTIAL, FAST = 0.5, 100.0
 #: most samples of the record that a catalogue keeps, for its figure
-MOST = 20000
+MAX_SAMPLES = 20000
 #: status of an event -> what it means
 STATUSES = {
     0: "whole",
@@ -143,14 +143,14 @@ def events(data, *, K=None, M=None, sigma=None):
 
 def catalogue_of(series):
     """Return the Dataset of the events of a `Series`, and the `Stiffness`."""
-    clean, falls, noise, threshold = detected(series)
+    cleaned, falls, noise, threshold = detected(series)
     stiffness = Stiffness(series.K, 0.0, series.K_source)
     if series.K is None:
         phases = loading_phases(series, falls)
         stiffness = loading_stiffness(series, phases, falls[is_whole(falls)], noise)
     gaps = in_gaps(series.t, falls)
     measured = measured_falls(series, falls, gaps, noise)
-    status, lost = _status(clean, falls, gaps, measured, noise)
+    status, is_lost = _status(cleaned, falls, gaps, measured, noise)
     values = _quantities(series, measured, stiffness, status == SEVERAL)
     steps = np.diff(series.t, prepend=series.t[0])
     longest = [steps[max(i, 0) : max(i, j, 0) + 1].max() for i, j in falls]
@@ -158,7 +158,7 @@ def catalogue_of(series):
     values["duration"] = tuple(np.where(short, math.nan, x) for x in values["duration"])
     values["recurrence"], why = _recurrence(series, values["event_time"], status)
     drop = values["stress_drop"][0]
-    usual = np.nanmedian(drop) if np.isfinite(drop).any() else math.inf
+    typical = np.nanmedian(drop) if np.isfinite(drop).any() else math.inf
     sparse, cut = measured["sparse"], np.isin(status, (CUT_BY_START, CUT_BY_END))
     messages = {
         "start": status == CUT_BY_START,
@@ -168,10 +168,10 @@ def catalogue_of(series):
         "several": status == SEVERAL,
         "unmeasured": np.isin(status, (WHOLE, UNDERSAMPLED)) & ~np.isfinite(drop),
         "sparse": sparse & np.isfinite(drop) & np.isin(status, (UNDERSAMPLED, SEVERAL)),
-        "few": drop < SAFE * threshold,
-        "lost": lost,
+        "few": drop < SAFE_RATIO * threshold,
+        "lost": is_lost,
         "short": short,
-        "large": sparse & (drop > LARGE * usual) & (status != SEVERAL),
+        "large": sparse & (drop > LARGE * typical) & (status != SEVERAL),
         **{name: ~cut & (why == name) for name in ("first", "changed", "after_cut")},
         "no_stiffness": np.full(status.size, not math.isfinite(stiffness.K)),
     }
@@ -189,8 +189,8 @@ def catalogue_of(series):
     )
     variables["event_status"][2].update(flags(STATUSES))
     # whole events with one V_lp since the last event
-    whole = np.isin(status, (WHOLE, UNDERSAMPLED)) & np.isfinite(values["recurrence"][0])
-    steady_drop, V_lp = np.where(whole, drop, math.nan), values["V_lp"][0]
+    is_complete = np.isin(status, (WHOLE, UNDERSAMPLED)) & np.isfinite(values["recurrence"][0])
+    steady_drop, V_lp = np.where(is_complete, drop, math.nan), values["V_lp"][0]
     labels = {"recurrence": "the recurrence interval", "V_lp": "V_lp"}
     lines = {name: trend(values[name][0], steady_drop, V_lp, x) for name, x in labels.items()}
     columns = zip(*lines.values(), strict=True)
@@ -254,8 +254,8 @@ def _quantities(series, measured, stiffness, several):
         error = np.hypot(high_error / before, low_error / after)
         amounts["friction_drop"] = high / before - low / after, error
     error = np.hypot(np.hypot(drop_error, drop * K_error / K) / K, V_lp * duration_error)
-    moved = series.at(end, series.delta_lp) - series.at(start, series.delta_lp)
-    amounts["slip"] = moved + drop / K, error
+    load_point_slip = series.at(end, series.delta_lp) - series.at(start, series.delta_lp)
+    amounts["slip"] = load_point_slip + drop / K, error
     error = np.hypot(np.hypot(fall_error, fall * K_error / K) / K, V_lp_error)
     amounts["peak_slip_rate"] = V_lp + fall / K, error
     # errors of the time and of the value of an extreme are independent
@@ -303,18 +303,18 @@ def _recurrence(series, event_time, status):
             why[k] = "changed"
         else:
             why[k] = ""
-    since = np.diff(time, prepend=math.nan), np.hypot(error, np.append(math.nan, error)[:-1])
-    return tuple(np.where(why == "", x, math.nan) for x in since), why
+    interval = np.diff(time, prepend=math.nan), np.hypot(error, np.append(math.nan, error)[:-1])
+    return tuple(np.where(why == "", x, math.nan) for x in interval), why
 
 
 def _thinned(t, tau):
-    """Reduce more than `MOST` samples to the largest and the smallest of each block."""
-    if t.size <= MOST:
+    """Reduce more than `MAX_SAMPLES` samples to the largest and the smallest of each block."""
+    if t.size <= MAX_SAMPLES:
         return t, tau
-    every = -(-2 * t.size // MOST)
-    rows = t.size // every * every
-    blocks = tau[:rows].reshape(-1, every)
-    first = np.arange(blocks.shape[0]) * every
+    block = -(-2 * t.size // MAX_SAMPLES)
+    rows = t.size // block * block
+    blocks = tau[:rows].reshape(-1, block)
+    first = np.arange(blocks.shape[0]) * block
     at = np.concatenate([first + blocks.argmin(1), first + blocks.argmax(1), [0, t.size - 1]])
     at = np.unique(at)
     return t[at], tau[at]

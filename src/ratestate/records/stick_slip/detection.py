@@ -24,9 +24,9 @@ LEAST = 10.0
 #: most samples of an outlier; number of samples on either side with which it is compared
 LONGEST_OUTLIER, SIDE = 2, 2
 #: least distance of an outlier from these samples, in standard deviations of the noise
-OUT = 5.0
+MIN_OUTLIER = 5.0
 #: part of a loading phase whose residuals give the noise; degree of the polynomial fitted there
-CALM, SMOOTH = (0.2, 0.6), 3
+QUIET_PART, SMOOTH = (0.2, 0.6), 3
 #: fewest samples of one such part, and number of samples that is enough in all
 FEWEST_CALM, ENOUGH = 12, 20000
 #: noise of the loading, as a multiple of the white noise, from which events are detected again
@@ -41,15 +41,15 @@ MARGIN = 3.0
 STEEP = 3.0
 #: number of steps on either side with which a gap is compared, and least ratio of the gap to them
 #: and to the median step of the series
-BESIDE, LONG = 20, 10.0
+GAP_NEIGHBOURS, GAP_RATIO = 20, 10.0
 #: significance level of the test that falls are shorter than rises
 CHANCE = 0.02
 #: fewest falls for this test.  If there are fewer, each fall must last less than this fraction of
 #: the rise before it.  Its duration is twice that of its middle half, because its ends are round.
 FEWEST, SHORTER = 4, 0.1
 #: largest standard deviation of regular intervals between falls, divided by their mean: for fewer
-#: than `MANY` falls, and for more
-REGULAR, MANY = (0.1, 0.25), 8
+#: than `MANY_FALLS` falls, and for more
+REGULAR, MANY_FALLS = (0.1, 0.25), 8
 
 
 def detected(series):
@@ -97,8 +97,8 @@ def without_outliers(y, noise):
         parts = np.lib.stride_tricks.sliding_window_view(padded, length + 2 * SIDE)
         sides, inside = np.delete(parts, np.s_[SIDE:-SIDE], axis=1), parts[:, SIDE:-SIDE]
         low, high = sides.min(axis=1), sides.max(axis=1)
-        out = np.maximum(inside.min(axis=1) - high, low - inside.max(axis=1))
-        for i in np.flatnonzero((out > OUT * noise) & (out > high - low)):
+        excess = np.maximum(inside.min(axis=1) - high, low - inside.max(axis=1))
+        for i in np.flatnonzero((excess > MIN_OUTLIER * noise) & (excess > high - low)):
             y[i : i + length] = np.linspace(padded[i + 1], padded[i + 2 + length], length + 2)[1:-1]
     return y
 
@@ -107,7 +107,7 @@ def loading_noise(t, y, phases, white):
     """Return the `SampleNoise` in loading phases [(first, last sample)]; `white` if too short."""
     residuals: list[np.ndarray] = []
     for first, last in phases:
-        rows = slice(*(round(first + part * (last - first)) for part in CALM))
+        rows = slice(*(round(first + part * (last - first)) for part in QUIET_PART))
         if rows.stop - rows.start >= FEWEST_CALM and sum(map(len, residuals)) <= ENOUGH:
             curve = np.polynomial.Polynomial.fit(t[rows], y[rows], SMOOTH)
             residuals.append(y[rows] - curve(t[rows]))
@@ -151,17 +151,17 @@ def turning_points(y, threshold):
     return turns
 
 
-def without_rebounds(y, moved, falls):
+def without_rebounds(y, displacement, falls):
     """Merge falls (m, 2) between which the stress only swings back.
 
     A rise is a rebound if it is steeper than the spring can load the block elsewhere in the record.
 
-    moved : (n,) displacement of the load point [m]
+    displacement : (n,) of the load point [m]
     """
-    rises, way = (x[falls[1:, 0]] - x[falls[:-1, 1]] for x in (y, moved))
-    if rises.size < 2 or not (way > 0.0).all():
+    rises, distances = (x[falls[1:, 0]] - x[falls[:-1, 1]] for x in (y, displacement))
+    if rises.size < 2 or not (distances > 0.0).all():
         return falls
-    stiffness, order = rises / way, np.argsort(rises / way)
+    stiffness, order = rises / distances, np.argsort(rises / distances)
     middle = np.searchsorted(np.cumsum(rises[order]), 0.5 * rises.sum())
     is_steep = stiffness > STEEP * stiffness[order][middle]
     kept = [falls[0]]
@@ -178,32 +178,32 @@ def without_rebounds(y, moved, falls):
 def in_gaps(t, falls):
     """Return whether samples are missing in falls (m,), from before peak to after trough."""
     steps = np.diff(t)
-    gaps = np.array(gaps_in(t, LONG, BESIDE), int) - 1  # the steps
-    gaps = gaps[steps[gaps] > LONG * np.median(steps)]
+    gaps = np.array(gaps_in(t, GAP_RATIO, GAP_NEIGHBOURS), int) - 1  # the steps
+    gaps = gaps[steps[gaps] > GAP_RATIO * np.median(steps)]
     inside = [bool(((gaps >= peak - 1) & (gaps <= trough)).any()) for peak, trough in falls]
     return is_whole(falls) & np.array(inside, bool)
 
 
 def is_stick_slip(series, falls):
     """Return whether falls are so short or so regular that they are not noise."""
-    whole = falls[is_whole(falls)]
-    peaks, troughs = series.t[whole].T
+    entire = falls[is_whole(falls)]
+    peaks, troughs = series.t[entire].T
     starts = np.concatenate([series.t[:1], troughs[:-1]])[: peaks.size]
     # a rise begins after the last change of V_lp, to which stress responds by itself
     changes = np.append(-math.inf, series.t[1:][np.diff(series.V_lp) != 0.0])
     changed = changes[np.searchsorted(changes, peaks, side="right") - 1]
     durations, rises = troughs - peaks, peaks - np.maximum(starts, changed)
     if (
-        len(whole) >= FEWEST
+        len(entire) >= FEWEST
         and scipy.stats.mannwhitneyu(durations, rises, alternative="less").pvalue < CHANCE
     ):
         return True
     intervals = np.diff(0.5 * (peaks + troughs))
-    regular = REGULAR[len(whole) >= MANY]
+    regular = REGULAR[len(entire) >= MANY_FALLS]
     if intervals.size > 1 and intervals.std() < regular * intervals.mean():
         return True
-    halves = np.array([_middle_half_duration(series, *fall) for fall in whole])
-    return 0 < len(whole) < FEWEST and bool((2.0 * halves < SHORTER * rises).all())
+    halves = np.array([_middle_half_duration(series, *fall) for fall in entire])
+    return 0 < len(entire) < FEWEST and bool((2.0 * halves < SHORTER * rises).all())
 
 
 def _middle_half_duration(series, peak, trough):

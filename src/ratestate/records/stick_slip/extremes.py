@@ -9,8 +9,8 @@ polynomial of all events.
 If noise hides that vertex too, the extreme is at the edge of the loading, next to the fall.  Noise
 hides the first samples that leave the polynomial.  The fall begins or ends with a finite
 acceleration, so the departure grows as the square of the time from the extreme.  Its growth from
-zero to `LEFT` standard deviations then takes as long as from there to four times as many.  If noise
-hides the fall in one event, the mean departure of all events shows it.
+zero to `MIN_DEPARTURE` standard deviations then takes as long as from there to four times as many.
+If noise hides the fall in one event, the mean departure of all events shows it.
 
 All events at one load-point velocity share a window relative to the middles of their falls.  Of the
 windows in which both polynomials agree in value and slope, it is the one with the least error
@@ -28,29 +28,29 @@ from typing import NamedTuple
 import numpy as np
 
 #: number of samples in a window; windows with at least twice as many are averaged in blocks
-PLENTY = 300
+WINDOW_SAMPLES = 300
 #: degrees by which the second polynomial exceeds the first
-MORE = 2
+EXTRA_DEGREES = 2
 #: least variance of a sample [Pa^2], which avoids a division by zero
 TINY = 1e-300
 #: excess of a window without a vertex and without a bound by the fall, so that it is chosen last
 UNBOUNDED = 1e6
 #: least distance of a vertex from the fall, in standard errors, so that noise does not create it
-SEEN = 6.0
+MIN_VERTEX = 6.0
 #: largest shift of a vertex, in u
 FARTHEST = 0.5
 #: least distance of a sample that has left a polynomial, in standard deviations
-LEFT = 4.0
+MIN_DEPARTURE = 4.0
 #: number of samples after a window within which samples must leave, or the fall does not bound it
-BEYOND = 4
+SAMPLES_AFTER = 4
 #: most events from which a window is chosen; fraction of them that must have enough samples
-MOST, ENOUGH = 16, 0.8
+MAX_EVENTS, MIN_SHARE = 16, 0.8
 #: largest mean difference between both degrees that agree, in standard errors
-AGREE = 1.5
+MAX_DIFFERENCE = 1.5
 #: largest allowed excess of the sum of squares, in standard deviations
 ROUGH = 4.0
 #: power of the contradiction with which the error of a window is multiplied
-PRICE = 4
+PENALTY_POWER = 4
 
 
 class FallWindow(NamedTuple):
@@ -84,13 +84,13 @@ def chosen_window(t, y, middles, windows, k, sign, noise):
     The error is multiplied by a power of the contradiction.  The result is None if no window has
     enough samples.
     """
-    some = middles[:: math.ceil(middles.size / MOST)]
+    sample = middles[:: math.ceil(middles.size / MAX_EVENTS)]
     choices: list[tuple[float, FallWindow]] = []
     for window in windows:
-        result = extremes(t, y, some, window, k, sign, noise)
-        if np.isfinite(result.value).mean() >= ENOUGH:
+        result = extremes(t, y, sample, window, k, sign, noise)
+        if np.isfinite(result.value).mean() >= MIN_SHARE:
             error = math.sqrt(float(np.nanmean(result.error**2)))
-            choices.append((error * max(result.contradiction, 1.0) ** PRICE, window))
+            choices.append((error * max(result.contradiction, 1.0) ** PENALTY_POWER, window))
     return min(choices, default=(0.0, None))[1]
 
 
@@ -100,11 +100,11 @@ def extremes(t, y, middles, window, k, sign, noise):
     sign : 1 for maxima, -1 for minima
     """
     table = np.full((5, len(middles)), math.nan)
-    firsts, lasts = np.searchsorted(t, middles + np.array([[window.start], [window.end]]))
-    use = np.flatnonzero(lasts - firsts >= k + MORE + 4)
+    starts, stops = np.searchsorted(t, middles + np.array([[window.start], [window.end]]))
+    use = np.flatnonzero(stops - starts >= k + EXTRA_DEGREES + 4)
     if not use.size:
         return Extremes._make((*table, math.inf))
-    span = firsts[use], lasts[use], np.searchsorted(t, middles[use])
+    span = starts[use], stops[use], np.searchsorted(t, middles[use])
     extent = window.end - window.start
     scales = middles[use] + 0.5 * (window.start + window.end), extent, y[span[0]]
     (c, C), high, excess = _fits(t, y, span, scales, k, noise)
@@ -114,7 +114,7 @@ def extremes(t, y, middles, window, k, sign, noise):
         u, u_error, bounded = edges((t, y), span, scales, c, window.fall, sign, noise.sd)
     else:
         u, u_error = vertices
-    (value, variance), (difference, more) = _compared((c, C), high, u, k)
+    (value, variance), (difference, difference_variance) = _compared((c, C), high, u, k)
     _, (turn, turn_variance) = _compared((c, C), high, u, k + 1)
     time = scales[0] + extent * u
     if vertices is None:  # the place is uncertain where the curve differs by less than its error
@@ -133,8 +133,8 @@ def extremes(t, y, middles, window, k, sign, noise):
     error = np.sqrt(variance) / extent**k
     table[:, use] = time, value, error, extent * u_error, difference / extent**k
     parts = [np.where(bounded, excess, UNBOUNDED).sum() / ROUGH / math.sqrt(use.size)]
-    for off, off_variance in ((difference, more), (turn, turn_variance)):
-        parts.append(abs(off.sum()) / AGREE / math.sqrt(max(off_variance.sum(), TINY)))
+    for part, part_variance in ((difference, difference_variance), (turn, turn_variance)):
+        parts.append(abs(part.sum()) / MAX_DIFFERENCE / math.sqrt(max(part_variance.sum(), TINY)))
     return Extremes._make((*table, float(max(parts))))
 
 
@@ -143,8 +143,8 @@ def _compared(low, high, u, k):
     (c, C), (c_high, C_high) = low, high
     row, n = _derivatives(u, c_high.shape[1], k), c.shape[1]
     value, variance = (row * c_high).sum(axis=1), _quadratic(row, C_high)
-    lower, less = (row[:, :n] * c).sum(axis=1), _quadratic(row[:, :n], C)
-    return (value, variance), (value - lower, np.maximum(variance - less, 0.0))
+    lower, lower_variance = (row[:, :n] * c).sum(axis=1), _quadratic(row[:, :n], C)
+    return (value, variance), (value - lower, np.maximum(variance - lower_variance, 0.0))
 
 
 def _fits(t, y, span, scales, k, noise):
@@ -156,7 +156,7 @@ def _fits(t, y, span, scales, k, noise):
     """
     (first, last, _), (centre, extent, level) = span, scales
     sizes = last - first
-    block = max(int(sizes.max()) // PLENTY, 1)
+    block = max(int(sizes.max()) // WINDOW_SAMPLES, 1)
     sizes = sizes // block
     rows = first[:, None, None] + np.arange(sizes.max() * block).reshape(1, -1, block)
     rows = np.minimum(rows, t.size - 1)
@@ -164,17 +164,17 @@ def _fits(t, y, span, scales, k, noise):
     variance = max(noise.sd**2, TINY) * noise.inflation / block
     u = (t[rows].mean(axis=2) - centre[:, None]) / extent
     values = y[rows].mean(axis=2) - level[:, None]
-    size = k + MORE + 3
+    size = k + EXTRA_DEGREES + 3
     q, r = np.linalg.qr(u[..., None] ** np.arange(size) * inside[..., None])
     projected = np.einsum("mni,mn->mi", q, values)
-    both = []
-    for n in (size - MORE, size):
+    fits = []
+    for n in (size - EXTRA_DEGREES, size):
         inverse = np.linalg.inv(r[:, :n, :n])
         c = np.einsum("mij,mj->mi", inverse, projected[:, :n])
-        both.append((c, variance * (inverse @ inverse.transpose(0, 2, 1))))
+        fits.append((c, variance * (inverse @ inverse.transpose(0, 2, 1))))
     rest = (values - np.einsum("mni,mi->mn", q, projected)) * inside
     degrees = np.maximum(sizes - size, 1)
-    return *both, ((rest**2).sum(axis=1) / variance - degrees) / np.sqrt(2.0 * degrees)
+    return *fits, ((rest**2).sum(axis=1) / variance - degrees) / np.sqrt(2.0 * degrees)
 
 
 def _vertices(c, C, k, sign, ends, fall):
@@ -192,17 +192,17 @@ def _vertices(c, C, k, sign, ends, fall):
         u, bend = np.where(inside, u, 0.0), np.where(inside, np.abs(bend), math.inf)
         error = np.sqrt(_quadratic(_derivatives(u, c.shape[1], k + 1), C)) / bend
         sides = np.abs(u - ends)[{-1: [0], 1: [1], 0: [0, 1]}[fall]]
-        return u, error, inside & (SEEN * error < sides.min(axis=0))
+        return u, error, inside & (MIN_VERTEX * error < sides.min(axis=0))
 
-    whole = np.array([[ends[0].min()], [ends[1].max()]])
+    bounds = np.array([[ends[0].min()], [ends[1].max()]])
     mean = c.mean(axis=0, keepdims=True), C.mean(axis=0, keepdims=True) / len(c)
-    (place,), (mean_error,), (is_known,) = vertex(*mean, whole)
+    (mean_u,), (mean_error,), (is_known,) = vertex(*mean, bounds)
     if not is_known:
         return None
     u, errors, known = vertex(c, C, ends)
     known &= known.mean() > 0.5
     spread = float(np.std(u[known])) if known.any() else 0.0
-    return np.where(known, u, place), np.where(known, errors, math.hypot(mean_error, spread))
+    return np.where(known, u, mean_u), np.where(known, errors, math.hypot(mean_error, spread))
 
 
 def edges(samples, span, scales, c, fall, sign, sd):
@@ -230,18 +230,18 @@ def edges(samples, span, scales, c, fall, sign, sd):
     rows = np.clip(rows, 0, t.size - 1)
     u = (t[rows] - centre[:, None]) / extent
     curve = (u[..., None] ** np.arange(c.shape[1]) * c[:, None]).sum(-1)
-    off = np.where(inside & (index > 0), y[rows] - level[:, None] - curve, 0.0)
+    residuals = np.where(inside & (index > 0), y[rows] - level[:, None] - curve, 0.0)
 
-    def leaves(off, sd):
+    def first_departures(residuals, sd):
         """Return after how many samples the curve is left (0: not nearby), and clearly left."""
-        near = (off > LEFT * sd) & inside & (index <= BEYOND)
+        near = (residuals > MIN_DEPARTURE * sd) & inside & (index <= SAMPLES_AFTER)
         left = near.argmax(axis=1)  # (0 if there is none)
-        far = (off > 4.0 * LEFT * sd) & inside & (index >= left[:, None])
+        far = (residuals > 4.0 * MIN_DEPARTURE * sd) & inside & (index >= left[:, None])
         return left, np.where(far.any(axis=1), far.argmax(axis=1), inside.sum(axis=1) - 1)
 
     count = np.maximum(inside.sum(axis=0), 1)
-    single = leaves(np.abs(off), sd)
-    shared = leaves(np.abs(off.sum(axis=0) / count), sd / np.sqrt(count))
+    single = first_departures(np.abs(residuals), sd)
+    shared = first_departures(np.abs(residuals.sum(axis=0) / count), sd / np.sqrt(count))
     left, far = (np.where(single[0] > 0, a, b) for a, b in zip(single, shared, strict=True))
     bounded = left > 0
     step = np.abs(u[event, left] - u[event, np.maximum(left - 1, 0)])

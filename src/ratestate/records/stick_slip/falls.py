@@ -15,7 +15,7 @@ import math
 import numpy as np
 import scipy
 
-from .between_samples import ANYWHERE, NEAR, corrected_for_spikes, middles
+from .between_samples import FITTED_PART, UNIFORM_SD, corrected_for_spikes, middles
 from .detection import is_whole
 from .extremes import FallWindow, chosen_window, extremes
 from .lines import speed_groups
@@ -25,9 +25,9 @@ NAMES = ("tau_max", "event_start", "tau_min", "event_end", "event_time", "fall_r
 COLUMNS = 2 * len(NAMES) + 2
 #: largest deviation from the median drop of events that share windows: as a fraction, and in
 #: standard deviations of the noise
-ALIKE, BY_NOISE = 0.1, 3.0
+SIMILARITY, BY_NOISE = 0.1, 3.0
 #: shortest loading next to an event, as a fraction of the median, of events that share windows
-CLOSE = 0.5
+MIN_LOADING = 0.5
 #: extents of windows into the loading, as fractions of its duration; shortest window [samples]
 LOADING, SHORTEST = np.geomspace(0.02, 0.85, 9), 6.0
 #: ends of windows next to the fall: as fractions of the time from its middle to the extreme, and in
@@ -43,7 +43,7 @@ SPARSE = 8
 #: fewest samples in the middle half of a fall for a line through them
 LINE = 3
 #: a quarter of the drop, in standard errors of a moving average, for a clear middle of a fall
-CLEAR = 4.0
+CLEAR_DROP = 4.0
 #: number of times that windows are placed relative to the last estimates
 ROUNDS = 2
 #: in a run: largest error of tau, as a fraction of the drop, and fewest samples of a resolved fall
@@ -51,7 +51,7 @@ COARSE, SPARSE_RUN = 5e-4, 5
 #: largest relative error of the steepest slope of a resolved fall in a run
 ROUGH = 0.1
 #: largest distance of an extreme of a run from a sample, as a fraction of the drop
-FAR = 0.01
+MAX_DISTANCE = 0.01
 
 
 def measured_falls(series, falls, gaps, noise):
@@ -64,12 +64,12 @@ def measured_falls(series, falls, gaps, noise):
     gaps : (m,) whether samples are missing
     """
     # the columns are value and error of each of `NAMES`, then samples and sparse
-    whole, table = is_whole(falls), np.full((len(falls), COLUMNS), math.nan)
+    complete, table = is_whole(falls), np.full((len(falls), COLUMNS), math.nan)
     table[:, -2:] = 0.0
     for name, samples in zip(("event_start", "event_end"), falls.T, strict=True):
-        cut = ~whole & (samples >= 0)
+        cut = ~complete & (samples >= 0)
         table[cut, 2 * NAMES.index(name)] = series.t[samples[cut]]
-    spans, rows = spans_of(series, falls), np.flatnonzero(whole & ~gaps)
+    spans, rows = spans_of(series, falls), np.flatnonzero(complete & ~gaps)
     if series.V is not None:
         rate = series.K * (series.V_lp - series.V)
         for row in rows:
@@ -88,28 +88,28 @@ def spans_of(series, falls):
     return np.column_stack([last, falls, following])
 
 
-def _groups(series, spans, whole, noise):
+def _groups(series, spans, rows, noise):
     """Group rows of whole events with one V_lp and similar drops, and each other event by itself.
 
     spans : (m, 4) from `spans_of`
     """
-    if not whole.size:
+    if not rows.size:
         return []
-    t, (peaks, troughs) = series.t, spans[whole, 1:3].T
+    t, (peaks, troughs) = series.t, spans[rows, 1:3].T
     drop = series.tau[peaks] - series.tau[troughs]
     # (ignore loading that the record cuts)
-    beside = np.diff(t[spans[whole]], axis=1)[:, ::2]
-    is_end = (whole == 0) | (whole == len(spans) - 1)
-    loading = np.where(is_end, beside.max(axis=1), beside.min(axis=1))
+    loadings = np.diff(t[spans[rows]], axis=1)[:, ::2]
+    is_end = (rows == 0) | (rows == len(spans) - 1)
+    loading = np.where(is_end, loadings.max(axis=1), loadings.min(axis=1))
     speed = speed_groups(series.at(0.5 * (t[peaks] + t[troughs]), series.V_lp))
     groups = []
     for number in range(speed.max() + 1):
         at = np.flatnonzero(speed == number)
-        off = np.abs(drop[at] - np.median(drop[at]))
-        near = off <= math.hypot(ALIKE * np.median(drop[at]), BY_NOISE * noise.sd)
-        near &= loading[at] > CLOSE * np.median(loading[at])
-        groups += [whole[at[near]]] if near.any() else []
-        groups += [whole[[i]] for i in at[~near]]
+        distance = np.abs(drop[at] - np.median(drop[at]))
+        is_similar = distance <= math.hypot(SIMILARITY * np.median(drop[at]), BY_NOISE * noise.sd)
+        is_similar &= loading[at] > MIN_LOADING * np.median(loading[at])
+        groups += [rows[at[is_similar]]] if is_similar.any() else []
+        groups += [rows[[i]] for i in at[~is_similar]]
     return groups
 
 
@@ -118,16 +118,16 @@ def _in_record(series, spans, noise):
     begins, peaks, troughs, ends = spans.T
     drop = float(np.median(y[peaks] - y[troughs]))
     # the moving average is so wide that noise does not hide the middles of falls
-    width = math.ceil((CLEAR * noise.sd / (NEAR * drop)) ** 2 * noise.inflation)
+    width = math.ceil((CLEAR_DROP * noise.sd / (FITTED_PART * drop)) ** 2 * noise.inflation)
     width = min(width, max(int(np.min(troughs - peaks)) // 2, 1))
     means = scipy.ndimage.uniform_filter1d(y, width) if width > 1 else y
-    nothing = np.zeros(peaks.size)
-    middle, _ = middles(t, means, peaks, troughs, means[peaks], means[troughs], nothing, noise)
+    zeros = np.zeros(peaks.size)
+    middle, _ = middles(t, means, peaks, troughs, means[peaks], means[troughs], zeros, noise)
     sides = []
     for sign, samples, edge in ((1, peaks, begins), (-1, troughs, ends)):
         loading = float(np.median(sign * (t[samples] - t[edge])))
-        one = _stress_extremes(t, y, middle, t[samples], sign, loading, noise)
-        value, error, time, time_error = corrected_for_spikes(t, y, middle, one, sign, noise)
+        extreme = _stress_extremes(t, y, middle, t[samples], sign, loading, noise)
+        value, error, time, time_error = corrected_for_spikes(t, y, middle, extreme, sign, noise)
         error = np.hypot(error, series.resolution)
         sides.append((value, error, time, np.hypot(time_error, series.t_resolution)))
     (high, high_error, start, _), (low, low_error, end, _) = sides
@@ -136,9 +136,9 @@ def _in_record(series, spans, noise):
         peaks, troughs = np.maximum(peaks, first - width), np.minimum(troughs, last + width)
     level_error = 0.5 * np.hypot(high_error, low_error)
     middle, error = middles(t, y, peaks, troughs, high, low, level_error, noise)
-    slope, slope_error, few = _slopes(t, y, middle, peaks, troughs, noise)
+    *slopes, sparse = _slopes(t, y, middle, peaks, troughs, noise)
     error, samples = np.hypot(error, series.t_resolution), np.maximum(last - first, 0)
-    return np.column_stack([*sides[0], *sides[1], middle, error, slope, slope_error, samples, few])
+    return np.column_stack([*sides[0], *sides[1], middle, error, *slopes, samples, sparse])
 
 
 def _stress_extremes(t, y, middle, at, sign, loading, noise):
@@ -163,13 +163,13 @@ def _stress_extremes(t, y, middle, at, sign, loading, noise):
 def _windows(offset, loading, spacing, sign):
     """Generate `FallWindow`s for an extreme at this time after a fall's middle (peaks: < 0)."""
     reach, least = abs(offset), min(LEAST * spacing, OF_LOADING * loading)
-    nears = [part * reach for part in FALL]
-    nears += [j * spacing for j in NEAREST if j * spacing <= reach + spacing]
-    nears = sorted({max(near, least) for near in nears})
-    for extent, near in itertools.product(LOADING * loading, nears):
-        far = max(reach + extent, near + SHORTEST * spacing)
-        if far < reach + loading:  # (the next fall lies beyond)
-            yield FallWindow(-far, -near, 1) if sign > 0 else FallWindow(near, far, -1)
+    distances = [part * reach for part in FALL]
+    distances += [j * spacing for j in NEAREST if j * spacing <= reach + spacing]
+    distances = sorted({max(start, least) for start in distances})
+    for extent, start in itertools.product(LOADING * loading, distances):
+        end = max(reach + extent, start + SHORTEST * spacing)
+        if end < reach + loading:  # (the next fall lies beyond)
+            yield FallWindow(-end, -start, 1) if sign > 0 else FallWindow(start, end, -1)
 
 
 def _slopes(t, y, middle, peaks, troughs, noise):
@@ -178,8 +178,8 @@ def _slopes(t, y, middle, peaks, troughs, noise):
     fall = max(float(np.median(t[troughs] - t[peaks])), spacing)
     halves = [_middle_half(t, y, i, j) for i, j in zip(peaks, troughs, strict=True)]
     times, means, widths = np.array(halves).T
-    time, few, window = float(np.median(times - middle)), widths < SPARSE * spacing, None
-    for _ in range(ROUNDS if not few.all() else 0):
+    time, sparse, window = float(np.median(times - middle)), widths < SPARSE * spacing, None
+    for _ in range(ROUNDS if not sparse.all() else 0):
         extents = np.unique(np.clip(STEEP * float(np.median(widths)), 3.5 * spacing, fall))
         pairs = itertools.product(extents, extents)
         windows = [FallWindow(time - a, time + b, 0) for a, b in pairs]
@@ -190,8 +190,8 @@ def _slopes(t, y, middle, peaks, troughs, noise):
         time = float(np.nanmedian(result.time - middle))
     if window is None:
         return means, np.full(means.size, math.nan), np.ones(means.size, bool)
-    slope = np.where(few, means, -result.value)
-    return slope, np.where(few, math.nan, result.biased_error), few | ~np.isfinite(slope)
+    slope = np.where(sparse, means, -result.value)
+    return slope, np.where(sparse, math.nan, result.biased_error), sparse | ~np.isfinite(slope)
 
 
 def _middle_half(t, y, peak, trough):
@@ -218,7 +218,7 @@ def _in_run(series, rate, peak, trough):
     after = peak + int(np.argmax(tau[peak : trough + 1] < level))
     rows = np.array([after - 1, after])
     middle = straight = float(np.interp(-level, -tau[rows], t[rows]))
-    error = ANYWHERE * (t[after] - t[after - 1])
+    error = UNIFORM_SD * (t[after] - t[after - 1])
     curve = scipy.interpolate.CubicHermiteSpline(
         t[rows] - t[after - 1], tau[rows] - level, rate[rows]
     )
@@ -235,9 +235,9 @@ def _in_run(series, rate, peak, trough):
         if c[2] < 0.0:
             V_max = max(V_max, math.exp(c[0] - 0.25 * c[1] ** 2 / c[2]))
     slope, slope_error = K * (V_max - series.V_lp[i]), K * abs(V_max - series.V[i]) / 4.0
-    few = trough - peak < SPARSE_RUN or slope_error > ROUGH * abs(slope)
-    few |= math.hypot(high[1], low[1]) > COARSE * (high[0] - low[0])
-    return [*high, *low, middle, error, slope, slope_error, trough - peak, few]
+    sparse = trough - peak < SPARSE_RUN or slope_error > ROUGH * abs(slope)
+    sparse |= math.hypot(high[1], low[1]) > COARSE * (high[0] - low[0])
+    return [*high, *low, middle, error, slope, slope_error, trough - peak, sparse]
 
 
 def _extreme(series, rate, i, sign, drop):
@@ -259,9 +259,9 @@ def _extreme(series, rate, i, sign, drop):
         estimates.append(np.array([curve(at[best]), at[best]]))
     (value, time), (other, other_time) = estimates
     error, time_error = abs(value - other), abs(time - other_time)
-    if abs(value) > FAR * drop:
-        around = slice(max(i - 1, 0), i + 2)
-        time, time_error = 0.0, 0.5 * float(np.diff(t[around]).max())
-        error = np.abs(rate[around]).min() * time_error
+    if abs(value) > MAX_DISTANCE * drop:
+        neighbours = slice(max(i - 1, 0), i + 2)
+        time, time_error = 0.0, 0.5 * float(np.diff(t[neighbours]).max())
+        error = np.abs(rate[neighbours]).min() * time_error
         value = sign * error
     return tau[i] + value, math.hypot(error, series.resolution), t[i] + time, time_error

@@ -25,15 +25,15 @@ from ..kit.regression import weighted_mean
 from ..messages import stick_slip as sentences
 
 #: part of a loading phase that is fitted; part that shows creep; fewest samples of the latter
-STICKS, CREEPS, FEWEST_SAMPLES = (0.15, 0.45), (0.6, 0.8), 8
+STIFFNESS_PART, CREEP_PART, FEWEST_SAMPLES = (0.15, 0.45), (0.6, 0.8), 8
 #: fraction of the time during which the stress falls, above which slip is smooth
 SMOOTH = 0.15
 #: largest deviation of a phase from the median of all, in standard deviations
-FAR = 4.0
+MAX_DEVIATION = 4.0
 #: fewest events of a trend, and least ratio of the largest to the smallest abscissa
 FEWEST, NARROWEST = 4, 1.5
 #: largest relative difference between neighbouring speeds that count as one
-SAME = 0.02
+SAME_SPEED = 0.02
 #: least variance, which avoids a division by zero
 TINY = 1e-300
 
@@ -65,12 +65,12 @@ def loading_stiffness(series, rises, falls, noise):
     for first, last in rises:
         middle = 0.5 * (t[first] + t[last])
         V, V_error = (series.at(middle, column) for column in (series.V_lp, series.V_lp_error))
-        if not V > 0.0 or (CREEPS[1] - CREEPS[0]) * (last - first) < FEWEST_SAMPLES:
+        if not V > 0.0 or (CREEP_PART[1] - CREEP_PART[0]) * (last - first) < FEWEST_SAMPLES:
             continue
-        slope, error = _slope(t, y, first, last, STICKS, noise)
+        slope, error = _slope(t, y, first, last, STIFFNESS_PART, noise)
         slopes.append(slope / V)
         errors.append(math.hypot(error / V, slope / V * V_error / V))
-        decreases.append((slope - _slope(t, y, first, last, CREEPS, noise)[0]) / V)
+        decreases.append((slope - _slope(t, y, first, last, CREEP_PART, noise)[0]) / V)
     if not slopes:
         return Stiffness(math.nan, math.nan, "few")
     rising, falling = (np.median(np.diff(t[np.array(spans)])) for spans in (rises, falls))
@@ -78,10 +78,10 @@ def loading_stiffness(series, rises, falls, noise):
     if falling > SMOOTH:
         return Stiffness(math.nan, math.nan, "smooth", falling=falling)
     errors = np.maximum(errors, TINY**0.5)
-    off = np.abs(slopes - np.median(slopes))
-    near = off <= FAR * np.hypot(1.4826 * np.median(off), errors)
-    phases = int(near.sum())
-    mean, error, chi2 = weighted_mean(np.array(slopes)[near], errors[near])
+    distance = np.abs(slopes - np.median(slopes))
+    is_used = distance <= MAX_DEVIATION * np.hypot(1.4826 * np.median(distance), errors)
+    phases = int(is_used.sum())
+    mean, error, chi2 = weighted_mean(np.array(slopes)[is_used], errors[is_used])
     error *= math.sqrt(max(chi2 / max(phases - 1, 1), 1.0))
     error = math.hypot(error, max(float(np.median(decreases)), 0.0))
     return Stiffness(mean, error, "loading", phases)
@@ -139,7 +139,7 @@ def trend(x, drop, V_lp, label):
 def speed_groups(V):
     """Return the number of each speed (m,) in rising order; similar speeds share a number."""
     order = np.argsort(V)
-    jumps = np.diff(V[order]) > SAME * V[order][:-1]
+    jumps = np.diff(V[order]) > SAME_SPEED * V[order][:-1]
     number = np.empty(V.size, int)
     number[order] = np.concatenate([[0], np.cumsum(jumps)])
     return number
@@ -153,12 +153,12 @@ def _shared_variance(residuals, groups):
     """
     counts = np.bincount(groups)
     means = pandas.Series(residuals).groupby(groups).transform("mean").values
-    size, total, inner = residuals.size, float(residuals @ residuals), residuals - means
+    size, total, deviations = residuals.size, float(residuals @ residuals), residuals - means
     degrees = size - counts.size
     if degrees < 1:
         within = total / max(size - 2, 1)
     else:
-        within = max(float(inner @ inner) / degrees, 1e-12 * total / size)
+        within = max(float(deviations @ deviations) / degrees, 1e-12 * total / size)
     between = float(means @ means) / max(counts.size - 2, 1)
     typical_count = (size - float(counts @ counts) / size) / max(counts.size - 1, 1)
     return max(between / max(within, TINY) - 1.0, 0.0) / typical_count

@@ -11,11 +11,11 @@ from ...model.conversion import in_si
 from ...model.units import one_in_si
 from ..kit.sample_noise import rounding
 from ..messages import stick_slip as sentences
-from ..raw_record import FEWEST, checked_time, column, recorded_segments, variable_names
+from ..raw_record import MIN_SAMPLES, checked_time, column, recorded_segments, variable_names
 from ..reading.sizes import constant_in_si, typical_stress
 
 #: largest relative difference between tau and K (delta_lp - delta) in a run without added noise
-SAME = 1e-9
+MAX_DIFFERENCE = 1e-9
 #: variables of a run; a Dataset without some of them is treated as a record
 RUN = {"tau", "V", "V_load", "delta", "delta_lp"}
 #: samples in the moving average of the normal stress
@@ -70,7 +70,7 @@ def _series_of_run(run, given):
     for dim in run["tau"].dims:
         if dim != "time":
             raise sentences.refusal("data.several", dim=dim)
-    if run.sizes.get("time", 1) < FEWEST:
+    if run.sizes.get("time", 1) < MIN_SAMPLES:
         raise sentences.refusal("data.end_only", times=run.sizes.get("time", 1))
     # (the solver's last step may end at the run's last saved time, which is then repeated)
     run = run.isel(time=np.append(True, np.diff(run["time"].values) != 0.0))
@@ -85,7 +85,7 @@ def _series_of_run(run, given):
     else:
         sigma = np.full(t.size, given["sigma"] or one_in_si("sigma", parameter(run, "sigma")))
     spring = slider["K"] * (delta_lp - column(run, "delta"))
-    allowed = SAME * np.abs(tau).max() + 1e-15 * slider["K"] * np.abs(delta_lp).max()
+    limit = MAX_DIFFERENCE * np.abs(tau).max() + 1e-15 * slider["K"] * np.abs(delta_lp).max()
     return Series(
         t,
         tau,
@@ -95,7 +95,7 @@ def _series_of_run(run, given):
         K=K,
         K_source="run" if given["K"] is None else "given",
         M=slider["M"] if given["M"] is None else given["M"],
-        V=column(run, "V") if np.abs(tau - spring).max() <= allowed else None,
+        V=column(run, "V") if np.abs(tau - spring).max() <= limit else None,
     )
 
 

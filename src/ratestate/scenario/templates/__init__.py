@@ -51,9 +51,9 @@ def template(name: str) -> str:
         from ..problems import choice  # which takes a second to import
 
         choice(name, TEMPLATES)
-    own = LAW.get(name, DEFAULT)
-    others = [law for law in _LAWS if law != own]
-    named = {"law": own, "other": others[0], "others": " or ".join(f'"{law}"' for law in others)}
+    chosen = LAW.get(name, DEFAULT)
+    others = [law for law in _LAWS if law != chosen]
+    named = {"law": chosen, "other": others[0], "others": " or ".join(f'"{law}"' for law in others)}
     return string.Template(_text(f"{name}.toml")).substitute(named)
 
 
@@ -62,9 +62,9 @@ def files_of(name: str) -> dict[str, str]:
 
     Raises ParameterError for an unknown template.
     """
-    there = {file.name for file in resources.files(__package__).iterdir()}
+    files = {file.name for file in resources.files(__package__).iterdir()}
     data = (f"{name}{ending}" for ending in (".txt", ".csv"))
-    return {f"{name}.toml": template(name)} | {file: _text(file) for file in data if file in there}
+    return {f"{name}.toml": template(name)} | {file: _text(file) for file in data if file in files}
 
 
 def description(name: str) -> str:
