@@ -62,6 +62,7 @@ def test_a_soft_spring_needs_more_than_less_mass():
     without_mass = rs.stabilize(SLIDER.replace(K="500 MPa/m", M=0.0), 0.01)
     assert np.isnan(without_mass.damping_ratio_stable)
     assert 0.0 < without_mass.damping_stable < found.damping_stable
+    assert (without_mass.V_c_with_K, without_mass.V_c_with_damping) == (np.inf, 0.0)
 
 
 def test_a_stable_slider_needs_nothing():

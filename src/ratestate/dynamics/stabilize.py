@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 
-from ..friction.closed_forms import call_elementwise
+from ..friction.closed_forms import EDGE_WIDTH, call_elementwise
 from ..friction.composition import composed
 from ..friction.critical_speeds import V_c
 from ..friction.laws import friction_law
@@ -108,8 +108,13 @@ def _remedies(law, damped, *, V, K, M, **values):
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = np.where(M > 0.0, damping / (2.0 * np.sqrt(K * M)), np.nan)
     with_M = np.where(np.isfinite(M_stable), M_stable, 0.0)
+    V_c_with_K, stiffer = (
+        V_c(law, K=K, M=M, **parameters).V_c for K in (K_stable, (1.0 + EDGE_WIDTH) * K_stable)
+    )
     speeds = [
-        V_c(law, K=K_stable, M=M, **parameters).V_c,
+        np.where(
+            V_c_with_K > 0.0, V_c_with_K, stiffer
+        ),  # without mass, K_c is the same at any speed
         np.where(np.isnan(M_stable), np.nan, V_c(law, K=K, M=with_M, **parameters).V_c),
         V_c(damped, K=K, M=M, damping=damping, **others).V_c,
     ]

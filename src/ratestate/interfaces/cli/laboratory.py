@@ -12,7 +12,7 @@ import typer
 from ...errors import RecordWarning
 from ...friction.laws import DEFAULT, friction_law, own_parameters
 from .exits import SOME_FAILED
-from .options import FileReading, Reading, laws_of, noise_of, own_values
+from .options import FileReading, Reading, laws_of, noise_of, own_values, read_record
 from .output import folder, names_of, print_line, reporting_files, write_text
 
 if TYPE_CHECKING:
@@ -99,13 +99,14 @@ def events(
         # what the format says of the machine holds where nothing else is given
         return find_events(record, **json_texts.loads(record.attrs.get("machine", "{}")) | given)
 
-    _evaluate("events", evaluate, "event", files, reading, out, json)
+    _evaluate("events", evaluate, "event", files, reading, sigma, out, json)
 
 
 def healing(
     files: list[Path],
     *,
     slider: Path | None = None,
+    sigma: str | None = None,
     reading: Reading,
     trend: Trend = "slip",
     noise: str | None = None,
@@ -125,7 +126,7 @@ def healing(
     fitted = read(slider) if slider else None
 
     evaluate = partial(find_healing, slider=fitted, **settings)
-    result = _evaluate("healing", evaluate, "hold", files, reading, out, json)
+    result = _evaluate("healing", evaluate, "hold", files, reading, sigma, out, json)
     if bool((result["hold_status"] != 0).any()):
         raise typer.Exit(SOME_FAILED)
 
@@ -145,7 +146,7 @@ def stiffness(
     from ...records.machine.machine_stiffness import machine_stiffness
 
     evaluate = partial(machine_stiffness, sigma=sigma)
-    _evaluate("stiffness", evaluate, "slope", files, reading, out, json)
+    _evaluate("stiffness", evaluate, "slope", files, reading, sigma, out, json)
 
 
 def describe(
@@ -171,11 +172,11 @@ def _evaluate(
     dim: str,
     files: list[Path],
     reading: Reading,
+    sigma: str | None,
     out: Path | None,
     json: bool,
 ) -> "xarray.Dataset":
     """Read a record, evaluate it, write the files into the folder, if any, and print the result."""
-    from ...records.reading import read_lab
     from ...report import summary
     from .document import document
     from .output import print_json, print_rich
@@ -184,7 +185,7 @@ def _evaluate(
     with folder(out), reporting_files(f"{name} of {names_of(files)}") as written:
         with warnings.catch_warnings():
             warnings.simplefilter("always", RecordWarning)
-            record = read_lab(files if len(files) > 1 else files[0], **keywords)
+            record, _ = read_record(files if len(files) > 1 else files[0], keywords, sigma)
         result = evaluate(record)
         written += _write_all(result, out, name, dim)
     if json:

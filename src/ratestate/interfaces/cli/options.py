@@ -65,6 +65,22 @@ class Reading(FileReading):
         return super().keywords() | given
 
 
+def read_record(paths: Any, keywords: dict[str, Any], sigma: str | None) -> Any:
+    """Return the record of one or more files, and the keywords with which `read_lab` read it.
+
+    sigma : normal stress, for files without a column of it
+    """
+    from ...records.reading import read_lab
+
+    try:
+        return read_lab(paths, **keywords), keywords
+    except ParameterError as error:
+        if sigma is None or error.sentence != "columns.no_sigma":
+            raise
+    keywords = keywords | {"sigma": sigma}
+    return read_lab(paths, **keywords), keywords
+
+
 def noise_of(text: str | None) -> Any:
     """Return the noise as `ratestate.fit` takes it."""
     if text is None or "=" not in text:

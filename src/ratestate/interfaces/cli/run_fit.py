@@ -19,7 +19,6 @@ from ...records.fitting.by_law import has_steps, law_names
 from ...records.fitting.fit import fit
 from ...records.fitting.settings import sliders_under
 from ...records.fitting.unknowns import checked_free
-from ...records.reading import read_lab
 from ...records.reading.sizes import constant_in_si
 from ...report import summary
 from ...report.report import TextTable, left
@@ -27,6 +26,7 @@ from ...report.steps import rows_of
 from ...report.summary_csv import summary_csv
 from ...scenario.as_python import registration
 from .document import document
+from .options import read_record
 from .output import folder, names_of, print_json, reporting_files, write_text
 from .run_scenario import print_report
 
@@ -85,7 +85,8 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
             # both are printed with the result
             warnings.simplefilter("ignore", FitWarning)
             warnings.simplefilter("ignore", RecordWarning)
-            record = read_lab(request.paths, **request.reading)
+            read = read_record(request.paths, request.reading, request.values.get("sigma"))
+            record, request = read[0], request._replace(reading=read[1])
             slider = _slider(request, record)
             result = fit(record, slider, **request.fitting)
         if out and report:

@@ -138,7 +138,9 @@ def choose_columns(table, columns, constants=()):
             values["columns"] = name_list(table.titles) + table.unread_text()
             column = _column_by_unit(table, ways[0], chosen.values())
             such = "such as" if column else "in"
-            raise sentences.refusal("columns.missing", such=such, column=column or "...", **values)
+            sentence = "no_sigma" if ways[0] == "sigma" else "missing"
+            values |= {"such": such, "column": column or "..."}
+            raise sentences.refusal(f"columns.{sentence}", **values)
     return chosen
 
 
