@@ -442,6 +442,16 @@ def test_results_without_a_figure_are_refused():
             plot.figure(other)
 
 
+@pytest.mark.parametrize("part", ["amplitude", "V_max"])
+def test_a_part_of_the_variables_of_a_sweep_gives_fewer_panels(part):
+    found = rs.limit_cycle(SLIDER.replace(M=MANY_MASSES), MANY_SPEEDS)
+    fig = plot.figure(found[[part]])
+    assert sum(ax.get_label() != "<colorbar>" for ax in fig.axes) == 1
+    assert len(plot.figure(found[[part]].isel(M=0)).axes) == 1
+    with pytest.raises(rs.ParameterError, match=r"none of .* \(amplitude, frequency, V_max\)"):
+        plot.figure(found[["error"]])
+
+
 def test_a_run_out_of_a_sweep():
     loading = rs.Loading.steps(1e-4, (0.05, V_LP))
     run = rs.simulate(SLIDER, loading, 0.1, times=np.linspace(0.0, 0.1, 50)).isel(V_lp=0)

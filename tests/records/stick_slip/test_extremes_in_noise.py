@@ -58,3 +58,17 @@ def test_many_events_show_a_fall_that_noise_hides_in_one():
     u, error, bounded = placed((t, y), (0, 20, 22), c, 1, 1.0, 16)
     assert bounded.all()
     assert (np.abs(19.5 - u) < 2.0 * error).all()
+
+
+def test_the_window_with_the_smaller_contradiction_is_chosen_however_large_both_are(monkeypatch):
+    found = {1: 1e150, 2: 1e149, 3: 1e200}  # powers of these overflow
+
+    def contradictory(t, y, middles, window, *_):
+        value = np.ones(len(middles))
+        return extremes.Extremes(value, value, 0.1 * value, value, value, found[window.fall])
+
+    monkeypatch.setattr(extremes, "extremes", contradictory)
+    windows = [extremes.FallWindow(0.0, 1.0, fall) for fall in found]
+    t = np.arange(9.0)
+    chosen = extremes.chosen_window(t, t, t[:3], windows, 0, 1, None)
+    assert chosen.fall == 2

@@ -43,7 +43,8 @@ def figure(result, *, title=True):
         From `simulate`, `limit_cycle`, `stability`, `frequency_response`, `continue_cycle`, `fit`,
         `events`, `healing`, `machine_stiffness` or `sweep`.  One slider gives curves in time or
         along its branch.  A sweep along one axis gives lines.  A sweep along two axes gives maps,
-        or lines if one axis has few values.
+        or lines if one axis has few values.  A part of its variables, such as
+        ``result[["amplitude"]]``, gives fewer panels.
 
         Several runs of `simulate` are compared: a list or dict as for `plot.trace`, or a sweep
         along one axis that saved more than the ends of runs.  Several results of `events` are

@@ -5,6 +5,7 @@ from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 
 from ...dynamics.results import contact_area, parameter
 from ...engine.model import FINISHED, STEADY_SLIDING
+from ...errors import ParameterError
 from ..axis import axis_of
 from ..labels import AMPLITUDE, BLUE, GRAY, LAWS, RED, fitting_unit, in_unit, label, value_text
 from ..layout import (
@@ -42,7 +43,12 @@ MAX_LINES = 5
 def sweep_figure(result, function, dims):
     """Draw the figure of a sweep of a function of `SHOWN` over one or two dimensions."""
     cases, shown = SHOWN[function]
-    names = [name for name in shown if set(dims) & set(result[name].dims)] or shown
+    if not (present := [name for name in shown if name in result]):
+        raise ParameterError(
+            f"the result has none of the variables that its figure shows ({', '.join(shown)})",
+            "Give at least one of them.",
+        )
+    names = [name for name in present if set(dims) & set(result[name].dims)] or present
     dims_text = " and ".join(label(str(dim)) for dim in dims)
     title = f"{cases} over {dims_text}, {LAWS[parameter(result, 'law')].name}"
     along = max(dims, key=lambda dim: result.sizes[dim])
@@ -105,7 +111,7 @@ def _lines(ax, result, name, along, across):
     """
     x = axis_of(result, along).values
     dims = [along] if across is None else [across, along]
-    pair = [name, "V_min"] if name == "V_max" else [name]
+    pair = [name, "V_min"] if name == "V_max" and "V_min" in result else [name]
     found = np.array([np.atleast_2d(_values(result, variable, dims)) for variable in pair])
     factor, unit = fitting_unit(name, found, contact_area(result))
     scaled = factor * found

@@ -90,7 +90,8 @@ def chosen_window(t, y, middles, windows, k, sign, noise):
         result = extremes(t, y, sample, window, k, sign, noise)
         if np.isfinite(result.value).mean() >= MIN_SHARE:
             error = math.sqrt(float(np.nanmean(result.error**2)))
-            choices.append((error * max(result.contradiction, 1.0) ** PENALTY_POWER, window))
+            penalty = PENALTY_POWER * math.log(max(result.contradiction, 1.0))
+            choices.append((math.log(max(error, TINY)) + penalty, window))
     return min(choices, default=(0.0, None))[1]
 
 
