@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from ratestate.records.kit.sample_noise import SampleNoise
-from ratestate.records.stick_slip.extremes import FallWindow, edges, extremes
+from ratestate.records.stick_slip.extremes import (
+    Extremes,
+    FallWindow,
+    chosen_window,
+    edges,
+    extremes,
+)
 
 
 def test_errors_include_the_difference_of_the_degrees():
@@ -65,10 +71,10 @@ def test_the_window_with_the_smaller_contradiction_is_chosen_however_large_both_
 
     def contradictory(t, y, middles, window, *_):
         value = np.ones(len(middles))
-        return extremes.Extremes(value, value, 0.1 * value, value, value, found[window.fall])
+        return Extremes(value, value, 0.1 * value, value, value, found[window.fall])
 
-    monkeypatch.setattr(extremes, "extremes", contradictory)
-    windows = [extremes.FallWindow(0.0, 1.0, fall) for fall in found]
+    monkeypatch.setattr("ratestate.records.stick_slip.extremes.extremes", contradictory)
+    windows = [FallWindow(0.0, 1.0, fall) for fall in found]
     t = np.arange(9.0)
-    chosen = extremes.chosen_window(t, t, t[:3], windows, 0, 1, None)
+    chosen = chosen_window(t, t, t[:3], windows, 0, 1, None)
     assert chosen.fall == 2
