@@ -21,9 +21,7 @@ from ..friction.functions import CODE
 from .rows import OUTPUT, WORK_SIZE
 from .units import lane_units, point_units
 
-#: doubles of a `Vector`, and the LLVM text of a mask that copies the first to all
-VECTOR = 8
-SPLAT = f"<{VECTOR} x i32> zeroinitializer"
+VECTOR = 8  # doubles of a `Vector`
 
 
 def double(x):
@@ -52,9 +50,10 @@ class Code:
         if type(x) is kind:
             return x.name
         if kind is Vector:
-            place = f"insertelement {kind.item} poison, double {self.text(Number, x)}, i64 0"
-            alone = f"{kind.item} {self.write(place, kind).name}"
-            return self.write(f"shufflevector {alone}, {kind.item} poison, {SPLAT}", kind).name
+            empty, first = f"{kind.item} poison", f"<{VECTOR} x i32> zeroinitializer"
+            x = self.write(f"insertelement {empty}, double {self.text(Number, x)}, i64 0", kind)
+            x = f"shufflevector {kind.item} {x.name}, {empty}, {first}"
+            return self.write(x, kind).name
         if isinstance(x, Value):
             cast = f"{x.casts[kind.item]} {self.type(type(x))} {x.name}"
             return self.write(f"{cast} to {self.type(kind)}", kind).name

@@ -17,12 +17,13 @@ from .programs import Program
 
 #: relative differences up to which steps between samples are equal, and gains have converged
 EQUAL, CONVERGED = 1e-8, 1e-13
+MOST = 4 * VECTOR  # relaxations
 
 #: the record that `_filter` works on
 Filter = namedtuple(
     "Filter",
-    "dt columns out white log_determinant variances times covariance added predicted previous gain"
-    " weight decay",
+    "dt columns out count white log_determinant variances times previous gain weight decay"
+    " covariance added predicted",
 )
 
 
@@ -33,10 +34,15 @@ class Whitening:
     """
 
     def __init__(self, dt, columns):
-        self._filters: dict = {}  # number of relaxations -> `Filter`, and its program
-        whole = np.zeros((len(columns), _padded(columns.shape[1])))
-        whole[:, : columns.shape[1]] = columns
-        self._fields = np.ascontiguousarray(dt, float), whole, np.empty_like(whole)
+        n, k = columns.shape
+        padded = np.zeros((n, k + -k % VECTOR))
+        padded[:, :k] = columns
+        numbers = np.zeros(1, np.int64), np.zeros(1), np.zeros(1)
+        # covariance of z predicted before a sample, its increase meanwhile, and mean of z
+        tables = np.zeros((MOST, MOST)), np.zeros((MOST, MOST)), np.zeros((MOST, padded.shape[1]))
+        fields = np.ascontiguousarray(dt, float), padded, np.empty_like(padded), *numbers
+        self._filter = Filter._make([*fields, *np.zeros((6, MOST)), *tables])
+        self._program = Program(_filter, self._filter)
 
     def __call__(self, white, variances, times):
         """Return L^-1 applied to each column, and ln det Sigma.
@@ -48,36 +54,22 @@ class Whitening:
 
         At least one variance must be positive.  The arguments are not checked.
         """
-        columns, m = self._fields[1], len(variances)
-        if m not in self._filters:
-            square, row = (m, _padded(m)), (_padded(m),)
-            # covariance of z before each sample, what is added to it after each, and mean of z
-            shapes: list = [(1,), (1,), (m,), (m,), square, square, (m, columns.shape[1])]
-            # covariance of z with the innovation before, and now, also divided by its variance,
-            # and decay of each relaxation from one sample to the next
-            shapes += [(m,), row, row, row]
-            filter_ = Filter(*self._fields, *map(np.zeros, shapes))
-            self._filters[m] = filter_, Program(_filter, filter_)
-        filter_, program = self._filters[m]
-        filter_.white[0], filter_.variances[:], filter_.times[:] = white, variances, times
-        filter_.covariance[:, :m], filter_.predicted[...] = np.diag(variances), 0.0
-        filter_.previous[:] = 0.0
-        program(len(columns))
-        return filter_.out, float(filter_.log_determinant[0])
-
-
-def _padded(size):
-    return size + -size % VECTOR
+        run, m = self._filter, len(variances)
+        run.count[0], run.white[0], run.variances[:m], run.times[:m] = m, white, variances, times
+        run.covariance[...], run.predicted[...], run.previous[...] = 0.0, 0.0, 0.0
+        np.fill_diagonal(run.covariance[:m, :m], variances)
+        self._program(len(run.columns))
+        return run.out, float(run.log_determinant[0])
 
 
 def _filter(run, n):
     gain, previous, weight, decay = run.gain, run.previous, run.weight, run.decay
     covariance, predicted, columns, out = run.covariance, run.predicted, run.columns, run.out
-    added, k, m, row = run.added, columns.shape[1], previous.shape[0], gain.shape[0]
+    added, k, m = run.added, columns.shape[1], run.count[0]
     root, log_variance, is_steady, last, log_determinant = 1.0, 0.0, False, -1.0, 0.0
     for i in range(n):
         if not is_steady:
-            for b in range(0, row, VECTOR):
+            for b in range(0, m, VECTOR):
                 total = covariance[0, b : b + VECTOR]
                 for a in range(1, m):
                     total = total + covariance[a, b : b + VECTOR]
@@ -90,7 +82,7 @@ def _filter(run, n):
             is_steady = change <= CONVERGED * variance
             inverse, log_variance = 1.0 / variance, log(variance)
             root = sqrt(inverse)
-            for b in range(0, row, VECTOR):
+            for b in range(0, m, VECTOR):
                 weight[b : b + VECTOR] = inverse * gain[b : b + VECTOR]
         log_determinant += log_variance
         if i + 1 < n and abs(run.dt[i] - last) > EQUAL * last:
@@ -108,7 +100,7 @@ def _filter(run, n):
                 predicted[a, j : j + VECTOR] = decay[a] * updated
         if not is_steady:
             for a in range(m):
-                for b in range(0, row, VECTOR):
+                for b in range(0, m, VECTOR):
                     rest = covariance[a, b : b + VECTOR] - gain[a] * weight[b : b + VECTOR]
                     kept = decay[a] * decay[b : b + VECTOR] * rest
                     covariance[a, b : b + VECTOR] = kept + added[a, b : b + VECTOR]

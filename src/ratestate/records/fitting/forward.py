@@ -117,11 +117,9 @@ class Forward(ForwardModel):
 
     def push(self, start, end, speed):
         """Move the load point faster from start to end [s], in each of n sliders, all (n, 1)."""
-        history = self.record.loading.speed
-        t = np.unique([*self.loads.t, *start.ravel(), *end.ravel()])
-        refined = dataclasses.replace(
-            self.record.loading, speed=history.refined(t[t < history.until])
-        )
+        loading, t = self.record.loading, np.unique([*self.loads.t, *start.flat, *end.flat])
+        speeds = loading.speed.refined(t[t < loading.speed.until])
+        refined = dataclasses.replace(loading, speed=speeds)
         loads, _ = engine_loads(Batch({"sigma": self.sigma}), refined)
         many = (np.repeat(table, len(start), axis=0) for table in loads[1:])
         self.loads, self.load_rows = Loads(loads.t, *many), np.arange(len(start))

@@ -163,17 +163,12 @@ def _principal_axes(family, point):
     """Return the grid's steps (2, 2), as columns: a deviation along each axis."""
     h = DIFFERENCE
     low, high = family.bounds.T
-    point = np.clip(point, low + h, high - h)
-
-    def minus(x, y):
-        return -family.at(point + np.array([x, y])).log_likelihood
-
-    centre = minus(0.0, 0.0)
+    corner = np.clip(point, low + h, high - h) - h
+    around = [family.at(corner + h * np.array(z)).log_likelihood for z in np.ndindex(3, 3)]
+    (ll, lc, lh), (cl, centre, ch), (hl, hc, hh) = -np.reshape(around, (3, 3))
     with np.errstate(invalid="ignore"):  # an impossible shape has -inf
-        xx = (minus(h, 0.0) + minus(-h, 0.0) - 2.0 * centre) / h**2
-        yy = (minus(0.0, h) + minus(0.0, -h) - 2.0 * centre) / h**2
-        xy = (minus(h, h) - minus(h, -h) - minus(-h, h) + minus(-h, -h)) / (4.0 * h**2)
-    curvature = np.array([[xx, xy], [xy, yy]])
+        xx, yy, xy = lc + hc - 2.0 * centre, cl + ch - 2.0 * centre, 0.25 * (ll + hh - lh - hl)
+    curvature = np.array([[xx, xy], [xy, yy]]) / h**2
     if not np.isfinite(curvature).all():
         return LONGEST * np.eye(2)
     values, vectors = np.linalg.eigh(curvature)

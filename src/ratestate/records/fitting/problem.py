@@ -158,16 +158,14 @@ class LeastSquares:
         """Return model less observed (n, m) at points (n, k); NaN without a motion."""
         return self.forward.friction(points) - self.observed
 
-    def friction_and_jacobian(self, point):
-        """Return friction (m,) and its derivatives (m, k); NaN, 0 without a motion."""
+    def linearised(self, point):
+        """Return difference (m,) and jacobian (m, k) side by side; NaN, 0 without a motion."""
         friction, jacobian = self.forward.jacobian(point)
-        return friction, np.nan_to_num(jacobian)
+        return np.column_stack([friction - self.observed, np.nan_to_num(jacobian)])
 
     def whitened(self, point, noise):
         """Return whitened difference (m,) and jacobian (m, k); NaN, 0 without a motion."""
-        friction, jacobian = self.friction_and_jacobian(point)
-        columns = np.column_stack([friction - self.observed, jacobian])
-        white, _ = noise.whiten(self.t, columns)
+        white, _ = noise.whiten(self.t, self.linearised(point))
         return white[:, 0], white[:, 1:]
 
 

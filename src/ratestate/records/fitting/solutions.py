@@ -169,13 +169,13 @@ def solution_from(problem, point, noise):
 
     ParameterError if the slider at this point does not move through the whole record.
     """
-    t, observed = problem.t, problem.observed
+    t = problem.t
     current = problem.white_noise(point) if noise is None else noise
     before = problem.forward.evaluations
     result, peaks, is_first = _checked_search(problem, point, current), None, True
-    friction, jacobian = problem.friction_and_jacobian(result.x)
+    columns = problem.linearised(result.x)
     for _ in range(ROUNDS if noise is None else 0):
-        likelihood = RestrictedLikelihood(t, friction - observed, jacobian)
+        likelihood = RestrictedLikelihood(t, columns[:, 0], columns[:, 1:])
         current, peaks = estimated_noise(likelihood, current)
         # the error of the march counts as noise: a simulated record may have no other
         current = current._replace(
@@ -185,11 +185,11 @@ def solution_from(problem, point, noise):
             break  # all weights change by one factor, so the minimum does not move
         last, peaks, is_first = result.x, None, False
         result = _checked_search(problem, last, current)
-        friction, jacobian = problem.friction_and_jacobian(result.x)
+        columns = problem.linearised(result.x)
         error = np.linalg.norm(root_of_covariance(result.jacobian), axis=1)
         if (np.abs(result.x - last) <= CONVERGED * error).all():
             break
-    white, log_determinant = current.whiten(t, np.column_stack([friction - observed, jacobian]))
+    white, log_determinant = current.whiten(t, columns)
     chi2 = float(white[:, 0] @ white[:, 0])
     constant = t.size * np.log(2.0 * np.pi)
     return Solution(
@@ -198,8 +198,8 @@ def solution_from(problem, point, noise):
         result.x,
         peaks,
         root_of_covariance(white[:, 1:]),
-        friction,
-        jacobian,
+        columns[:, 0] + problem.observed,
+        columns[:, 1:],
         chi2,
         -0.5 * (chi2 + log_determinant + constant),
         result.converged,
