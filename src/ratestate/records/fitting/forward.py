@@ -136,7 +136,8 @@ class Forward(ForwardModel):
             with np.errstate(over="ignore", invalid="ignore"):
                 of_samples = tuple(column[:, None] for column in steady.p)
                 shown = self.law.at(v, tuple(psi), of_samples).R
-        friction = a * (shown - np.reshape(steady.R if is_mu else steady.S, (-1, 1)))
+        friction = shown - np.reshape(steady.R if is_mu else steady.S, (-1, 1))
+        friction *= a
         if self.stress is not None and not is_mu:  # tau divided by the current sigma
             level, delayed = self.record.level, self.record.t - values["lag"][:, None]
             stress = self.stress.with_sigma(self.sigma).at(np.maximum(delayed, 0.0))
@@ -146,7 +147,7 @@ class Forward(ForwardModel):
             along = along - (a * self.sigma / K) * (x - x[:, :1])
         regressors = self.record.regressors(along)
         for name, regressor in regressors.items():
-            friction = friction + values[name][:, None] * regressor
+            friction += values[name][:, None] * regressor
         self.evaluations += len(friction)
         return friction, regressors
 

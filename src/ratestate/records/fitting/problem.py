@@ -49,7 +49,7 @@ class Samples(NamedTuple):
         along : (..., m) slip or time, by default `trend_variable`
         """
         along = self.trend_variable if along is None else along
-        level = {"level": np.ones_like(along)}
+        level = {"level": np.broadcast_to(1.0, along.shape)}
         return level | {"trend": along} if self.trend else level
 
     @property
