@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as some
 from machine_control import Machine
 
+from ratestate.engine.code import VECTOR
 from ratestate.engine.compiler import kernel_text
 from ratestate.engine.programs import Context
 from ratestate.friction.functions import exp, expm1, log, log1p, sqrt
@@ -27,6 +28,7 @@ class Given(NamedTuple):
     k: np.ndarray  # (4,) int64
     table: np.ndarray  # (2, 3)
     cube: np.ndarray  # (2, 3, 4)
+    wide: np.ndarray  # (3, 2 VECTOR)
     inner: Inner
     out: np.ndarray  # (8,)
 
@@ -156,8 +158,20 @@ def arrays(run, n):
     return items[0] > 0
 
 
-SHAPES = (4,), (4,), (2, 3), (2, 3, 4), (6,), (8,)
-TYPES = float, np.int64, float, float, np.int64, float
+def vectors(run, n):
+    for j in range(0, run.wide.shape[1], VECTOR):
+        first, factor = run.wide[0, j : j + VECTOR], run.x[0]
+        for i in range(2):
+            first = first - factor * run.wide[i, j : j + VECTOR]
+        run.wide[2, j : j + VECTOR] = first * run.x[1] + n
+        run.wide[1, j : j + VECTOR] += 0.5
+    i = 0
+    run.out[i : i + VECTOR] = run.wide[2, i : i + VECTOR]
+    return True
+
+
+SHAPES = (4,), (4,), (2, 3), (2, 3, 4), (3, 2 * VECTOR), (6,), (8,)
+TYPES = float, np.int64, float, float, float, np.int64, float
 
 
 def record():
@@ -178,7 +192,9 @@ INTS = some.lists(some.integers(-4, 5), min_size=1, max_size=14)
 
 @pytest.mark.parametrize("level", [0, 2])
 @pytest.mark.parametrize(
-    "function", [arithmetic, functions, conditions, loops, tuples, arrays], ids=lambda f: f.__name__
+    "function",
+    [arithmetic, functions, conditions, loops, tuples, arrays, vectors],
+    ids=lambda f: f.__name__,
 )
 def test_results_equal_pythons(function, level):
     """Each statement and expression gives Python's bits, on random numbers.
@@ -222,6 +238,7 @@ REFUSED = {
     "if n > 0: return True\n return True, False": "return (True, False)",
     "for _ in range(n): n += 1\n else: n += 1\n return n > 0": "for _ in range(n):",
     "for x in run.x: n += int(x)\n return n > 0": "for x in run.x:",
+    "i = 0; run.out[i : i + 4] = 0.5; return True": "run.out[i:i + 4] = 0.5",
     "add_to(run, at=0, x=1.0); return True": "add_to(run, at=0, x=1.0)",
 }
 

@@ -21,6 +21,8 @@ from ..friction.functions import CODE
 from .rows import OUTPUT, WORK_SIZE
 from .units import lane_units, point_units
 
+VECTOR = 8  # doubles of a `Vector`
+
 
 def double(x):
     """Return a double as LLVM text, exact to the last bit."""
@@ -47,6 +49,11 @@ class Code:
         """Return the text of a number or `Value`, converted to this kind."""
         if type(x) is kind:
             return x.name
+        if kind is Vector:
+            empty, first = f"{kind.item} poison", f"<{VECTOR} x i32> zeroinitializer"
+            x = self.write(f"insertelement {empty}, double {self.text(Number, x)}, i64 0", kind)
+            x = f"shufflevector {kind.item} {x.name}, {empty}, {first}"
+            return self.write(x, kind).name
         if isinstance(x, Value):
             cast = f"{x.casts[kind.item]} {self.type(type(x))} {x.name}"
             return self.write(f"{cast} to {self.type(kind)}", kind).name
@@ -89,6 +96,8 @@ class Code:
 def result_kind(x, y):
     """Return the kind of the result of arithmetic on two values or numbers."""
     kinds = type(x), type(y)
+    if Vector in kinds:
+        return Vector
     if Number in kinds or isinstance(x, float) or isinstance(y, float):
         return Number
     return Bits if Bits in kinds or int in kinds else Condition
@@ -111,7 +120,7 @@ def _operators(of_doubles, of_ints=None, is_test=False):
         kind = result_kind(x, y) if of_ints else Number
         if kind is Condition and of_doubles:
             kind = Bits
-        instruction = of_doubles if kind is Number else of_ints
+        instruction = of_doubles if kind in (Number, Vector) else of_ints
         if instruction is None:
             raise TypeError("an operator of integers")
         if instruction in ("fadd", "fsub"):
@@ -138,6 +147,7 @@ class Value:
     __slots__ = ("code", "name")
     functions = CODE
     item: str  # type of an element
+    align = ""  # of an element in memory, if it is not the usual
     casts: dict  # item of another kind -> instruction that converts to it
 
     def __init__(self, code, name):
@@ -220,6 +230,13 @@ class Number(Value):
     def bits(self):
         """Return the same bits as integers."""
         return self._same_bits(Bits)
+
+
+class Vector(Value):
+    """Neighbouring doubles of an array, in code of width 1."""
+
+    __slots__ = ()
+    item, casts, align = f"<{VECTOR} x double>", {}, ", align 8"
 
 
 # The units of a law

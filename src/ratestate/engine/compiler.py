@@ -4,7 +4,8 @@ The control is the same for all laws.  A function holds numbers (floats, 64-bit 
 tuples of numbers, and values that are known when it is compiled: numbers, functions, modules, and
 the layout of the record that a kernel works on.  The first assignment to a variable sets its kind.
 Statements are assignments, also of a tuple to a row of an array, `if`, `while`, `for` over a rising
-range, `break`, `return` and calls.  Anything else is refused.
+range, `break`, `return` and calls.  A slice such as ``array[i, j : j + VECTOR]`` is a `Vector`.
+Anything else is refused.
 
 The results equal Python's to the last bit, if
 
@@ -29,7 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..friction import functions as F
-from .code import Bits, Code, Condition, Number, Value
+from .code import Bits, Code, Condition, Number, Value, Vector
 from .rows import OUTPUT, add, call_lanes, call_point
 
 #: dtype of an array -> kind of its items
@@ -191,10 +192,12 @@ class _Function(Code):
         return x if isinstance(x, (Condition, bool)) else x != 0
 
     def _get(self, slot):
-        return self.write(f"load {slot.kind.item}, ptr {slot.place}", slot.kind)
+        return self.write(f"load {slot.kind.item}, ptr {slot.place}{slot.kind.align}", slot.kind)
 
     def _put(self, x, slot):
-        self.lines.append(f"store {self._argument(slot.kind, x)}, ptr {slot.place}")
+        self.lines.append(
+            f"store {self._argument(slot.kind, x)}, ptr {slot.place}{slot.kind.align}"
+        )
 
     def _word(self, at, item="i64"):
         pointer = self._program.pointer
@@ -211,14 +214,16 @@ class _Function(Code):
         return self.write(f"addrspacecast {pointer} {start} to ptr", Value).name
 
     def _item(self, array, index):
-        at, *others = index if type(index) is tuple else (index,)
-        if len(others) + 1 != array.dimensions:
-            raise IndexError(f"an index of {len(others) + 1} numbers")
+        index = index if type(index) is tuple else (index,)
+        if len(index) != array.dimensions:
+            raise IndexError(f"an index of {len(index)} numbers")
+        kind = KINDS[array.dtype]
+        of_slot = Vector if isinstance(index[-1], slice) else kind
+        at, *others = (i.start if isinstance(i, slice) else i for i in index)
         for k, following in enumerate(others, 2):
             at = at * self._word(array.at + k) + following
-        kind = KINDS[array.dtype]
         operands = f"ptr {self._address(array)}, {self._argument(Bits, at)}"
-        return Slot(kind, self.write(f"getelementptr {kind.item}, {operands}", Value).name)
+        return Slot(of_slot, self.write(f"getelementptr {kind.item}, {operands}", Value).name)
 
     # Statements: each method returns True if control does not go on to the next statement
 
@@ -356,6 +361,12 @@ class _Function(Code):
             return tuple(self._word(owner.at + 1 + k) for k in range(owner.dimensions))
         value = getattr(owner, node.attr)
         return self._word(value.at) if isinstance(value, Word) else value
+
+    def _eval_Slice(self, node):
+        start, stop = ast.unparse(node.lower), ast.unparse(node.upper)
+        if stop != f"{start} + VECTOR":
+            raise TypeError("a slice is of as many items as a vector has")
+        return slice(self._value(node.lower), None)
 
     def _eval_Subscript(self, node):
         array, index = self._value(node.value), self._value(node.slice)

@@ -7,83 +7,102 @@ lower triangular.  L^-1 takes O(n) operations at any sampling times (a semi-sepa
 1960 doi:10.1115/1.3662552).
 """
 
-from typing import NamedTuple
+from collections import namedtuple
 
 import numpy as np
 
 from ..friction.functions import exp, log, sqrt
+from .code import VECTOR
 from .programs import Program
 
+#: relative differences up to which steps between samples are equal, and gains have converged
+EQUAL, CONVERGED = 1e-8, 1e-13
+MOST = 4 * VECTOR  # relaxations
 
-class Filter(NamedTuple):
-    """The record that `_filter` works on."""
-
-    dt: np.ndarray  # (n - 1,) steps between the samples
-    white: np.ndarray  # (1,)
-    variances: np.ndarray  # (m,) of the relaxations
-    times: np.ndarray  # (m,)
-    columns: np.ndarray  # (n, k)
-    out: np.ndarray  # (n, k)
-    log_determinant: np.ndarray  # (1,)
-    # covariance and mean of z, predicted before each sample
-    covariance: np.ndarray  # (m, m)
-    predicted: np.ndarray  # (m, k)
-    gain: np.ndarray  # (m,)
-    weight: np.ndarray  # (m,) gain divided by the variance of the innovation
-    decay: np.ndarray  # (m,) decay of each relaxation from one sample to the next
+#: the record that `_filter` works on
+Filter = namedtuple(
+    "Filter",
+    "dt columns out count white log_determinant variances times previous gain weight decay"
+    " covariance added predicted",
+)
 
 
-def whiten(dt, white, variances, times, columns):
-    """Return L^-1 applied to each column, and ln det Sigma.
+class Whitening:
+    """Whitens the same columns (n, k), n >= 1, for any noise.
 
-    Parameters
-    ----------
     dt : (n - 1,) steps between the samples [s], >= 0
-    white : variance of the white part, >= 0
-    variances, times : (m,) variances of the relaxations, >= 0, and their times [s], > 0
-    columns : (n, k), n >= 1
-
-    At least one variance must be positive.  The arguments are not checked.
     """
-    n, m = len(columns), len(variances)
-    inputs = (np.ascontiguousarray(x, float) for x in (dt, [white], variances, times, columns))
-    shapes = columns.shape, (1,), (m, m), (m, columns.shape[1]), (m,), (m,), (m,)
-    filter_ = Filter(*inputs, *(np.zeros(shape) for shape in shapes))
-    filter_.covariance[...] = np.diag(variances)
-    Program(_filter, filter_)(n)
-    return filter_.out, float(filter_.log_determinant[0])
+
+    def __init__(self, dt, columns):
+        n, k = columns.shape
+        padded = np.zeros((n, k + -k % VECTOR))
+        padded[:, :k] = columns
+        numbers = np.zeros(1, np.int64), np.zeros(1), np.zeros(1)
+        # covariance of z predicted before a sample, its increase meanwhile, and mean of z
+        tables = np.zeros((MOST, MOST)), np.zeros((MOST, MOST)), np.zeros((MOST, padded.shape[1]))
+        fields = np.ascontiguousarray(dt, float), padded, np.empty_like(padded), *numbers
+        self._filter = Filter._make([*fields, *np.zeros((6, MOST)), *tables])
+        self._program = Program(_filter, self._filter)
+
+    def __call__(self, white, variances, times):
+        """Return L^-1 applied to each column, and ln det Sigma.
+
+        Columns of zeros are added, up to whole vectors.  The next call overwrites all columns.
+
+        white : variance of the white part, >= 0
+        variances, times : (m,) variances of the relaxations, >= 0, and their times [s], > 0
+
+        At least one variance must be positive.  The arguments are not checked.
+        """
+        run, m = self._filter, len(variances)
+        run.count[0], run.white[0], run.variances[:m], run.times[:m] = m, white, variances, times
+        run.covariance[...], run.predicted[...], run.previous[...] = 0.0, 0.0, 0.0
+        np.fill_diagonal(run.covariance[:m, :m], variances)
+        self._program(len(run.columns))
+        return run.out, float(run.log_determinant[0])
 
 
 def _filter(run, n):
-    gain, weight, decay = run.gain, run.weight, run.decay
-    covariance, predicted = run.covariance, run.predicted
-    k, m, log_determinant, last = run.columns.shape[1], gain.shape[0], 0.0, -1.0
+    gain, previous, weight, decay = run.gain, run.previous, run.weight, run.decay
+    covariance, predicted, columns, out = run.covariance, run.predicted, run.columns, run.out
+    added, k, m = run.added, columns.shape[1], run.count[0]
+    root, log_variance, is_steady, last, log_determinant = 1.0, 0.0, False, -1.0, 0.0
     for i in range(n):
-        variance = run.white[0]
-        for a in range(m):
-            gain[a] = 0.0
-            for b in range(m):
-                gain[a] += covariance[a, b]
-            variance += gain[a]
-        log_determinant += log(variance)
-        root = 1.0 / sqrt(variance)
-        for a in range(m):
-            weight[a] = gain[a] / variance
-        if i + 1 < n and run.dt[i] != last:
-            last = run.dt[i]
+        if not is_steady:
+            for b in range(0, m, VECTOR):
+                total = covariance[0, b : b + VECTOR]
+                for a in range(1, m):
+                    total = total + covariance[a, b : b + VECTOR]
+                gain[b : b + VECTOR] = total
+            variance, change = run.white[0], 0.0
+            for a in range(m):
+                variance += gain[a]
+                change += abs(gain[a] - previous[a])
+                previous[a] = gain[a]
+            is_steady = change <= CONVERGED * variance
+            inverse, log_variance = 1.0 / variance, log(variance)
+            root = sqrt(inverse)
+            for b in range(0, m, VECTOR):
+                weight[b : b + VECTOR] = inverse * gain[b : b + VECTOR]
+        log_determinant += log_variance
+        if i + 1 < n and abs(run.dt[i] - last) > EQUAL * last:
+            last, is_steady = run.dt[i], False
             for a in range(m):
                 decay[a] = exp(-last / run.times[a])
-        for j in range(k):
-            innovation = run.columns[i, j]
+                added[a, a] = run.variances[a] * (1.0 - decay[a] * decay[a])
+        for j in range(0, k, VECTOR):
+            innovation = columns[i, j : j + VECTOR]
             for a in range(m):
-                innovation -= predicted[a, j]
-            run.out[i, j] = innovation * root
+                innovation = innovation - predicted[a, j : j + VECTOR]
+            out[i, j : j + VECTOR] = root * innovation
             for a in range(m):
-                predicted[a, j] = decay[a] * (predicted[a, j] + weight[a] * innovation)
-        for a in range(m):
-            for b in range(m):
-                posterior = covariance[a, b] - gain[a] * gain[b] / variance
-                covariance[a, b] = decay[a] * decay[b] * posterior
-            covariance[a, a] += run.variances[a] * (1.0 - decay[a] * decay[a])
+                updated = predicted[a, j : j + VECTOR] + weight[a] * innovation
+                predicted[a, j : j + VECTOR] = decay[a] * updated
+        if not is_steady:
+            for a in range(m):
+                for b in range(0, m, VECTOR):
+                    rest = covariance[a, b : b + VECTOR] - gain[a] * weight[b : b + VECTOR]
+                    kept = decay[a] * decay[b : b + VECTOR] * rest
+                    covariance[a, b : b + VECTOR] = kept + added[a, b : b + VECTOR]
     run.log_determinant[0] = log_determinant
     return True

@@ -34,8 +34,10 @@ def _steady_variable(law, k, p, v, start):
     with np.errstate(all="ignore"):  # steps may overflow
         for _ in range(ITERATIONS):
             point = at(psi_k, v, p)
-            value, slope = point.f[k], point.f_slopes[1][k]
-            step = np.where(value == 0.0, 0.0, value / slope)
+            value = point.f[k]
+            if not np.any(value) and np.isfinite(psi_k).all():
+                return psi_k
+            step = np.where(value == 0.0, 0.0, value / point.f_slopes[1][k])
             psi_k = np.where(is_done, psi_k, psi_k - step)
             size, change = np.maximum(1.0, np.abs(psi_k)), np.abs(step)
             is_rounding = (change < 1e-10 * size) & (change >= 0.5 * previous)

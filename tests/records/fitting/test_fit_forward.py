@@ -134,7 +134,8 @@ def test_whitening_agrees_with_the_dense_covariance(noise):
 def test_the_exponent_of_noise_is_found(exponent, within):
     """A filter in frequency makes the noise, up to half the sampling rate."""
     rng, t = np.random.default_rng(6), np.arange(2000.0)
-    found = estimated_noise(t, power_law(2000, exponent, rng), np.ones((2000, 1)))
+    residual = power_law(2000, exponent, rng)
+    found, _ = estimated_noise(RestrictedLikelihood(t, residual, np.ones((2000, 1))))
     assert abs(found.exponent - exponent) < within
 
 
@@ -160,7 +161,7 @@ def test_the_estimated_noise_is_the_likeliest(time):
         likelihood = RestrictedLikelihood(t, y, X)
         family = families(likelihood)[0]
         highest, point = max(modes(family), key=lambda one: one[0])
-        chosen = likelihood.at(estimated_noise(t, y, X)).log_likelihood
+        chosen = likelihood.at(estimated_noise(likelihood)[0]).log_likelihood
         assert chosen >= highest - 1e-6  # by a power law perhaps
         found = family.at(point).noise
         share = found.red**2 / found.level**2
@@ -177,7 +178,7 @@ def test_correlated_noise_needs_a_rise_of_the_likelihood(seed, counts):
     rng, t = np.random.default_rng(seed), np.arange(300.0)
     slow = np.linalg.cholesky(np.exp(-np.abs(t[:, None] - t) / 5.0))
     y, X = rng.normal(size=300) + 0.45 * slow @ rng.normal(size=300), np.ones((300, 1))
-    found = estimated_noise(t, y, X)
+    found = estimated_noise(RestrictedLikelihood(t, y, X))[0]
     assert (found.red > 0.0) == counts
     plain = restricted_likelihood(t, y, X, 0.0, 1.0)
     shapes = [
@@ -191,6 +192,9 @@ def test_white_noise_is_called_white():
     rng = np.random.default_rng(3)
     t = times(500, rng)
     fitted = np.stack([np.ones_like(t), t], axis=1)
-    found = [estimated_noise(t, 2e-4 * rng.normal(size=t.size), fitted) for _ in range(40)]
+    found = [
+        estimated_noise(RestrictedLikelihood(t, 2e-4 * rng.normal(size=t.size), fitted))[0]
+        for _ in range(40)
+    ]
     assert sum(noise.red > 0.0 for noise in found) <= 2
     assert np.mean([noise.level for noise in found]) == pytest.approx(2e-4, rel=0.02)

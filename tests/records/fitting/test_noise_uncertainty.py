@@ -22,7 +22,7 @@ TRANSIENT = np.eye(3)[2:]
 
 def fitted(noise):
     """Return a solution of least squares, and the estimate divided by its error."""
-    shape = estimated_noise(T, noise, JACOBIAN)
+    shape = estimated_noise(RestrictedLikelihood(T, noise, JACOBIAN))[0]
     white, _ = shape.whiten(T, np.column_stack([noise, JACOBIAN]))
     covariance = np.linalg.inv(white[:, 1:].T @ white[:, 1:])
     point = covariance @ (white[:, 1:].T @ white[:, 0])
@@ -32,6 +32,7 @@ def fitted(noise):
         jacobian=JACOBIAN,
         root=np.linalg.cholesky(covariance),
         noise=shape,
+        peaks=None,
     )
     return solution, float(point[2] / np.sqrt(covariance[2, 2]))
 
@@ -109,12 +110,14 @@ def test_the_shift_and_covariance_agree_with_generalized_least_squares():
     left = residual - JACOBIAN @ shift
     variance = left @ inverse @ left / (T.size - 3)
     shape = Noise(np.sqrt(1.0 - share), np.sqrt(share), time)
-    found = RestrictedLikelihood(T, residual, JACOBIAN).at(shape)
-    np.testing.assert_allclose(found.shift, shift, rtol=1e-9)
+    likelihood = RestrictedLikelihood(T, residual, JACOBIAN)
+    found = likelihood.at(shape)
+    found_shift, root = likelihood.shift_and_root(found.factor)
+    np.testing.assert_allclose(found_shift, shift, rtol=1e-9)
     assert found.noise.level**2 == pytest.approx(variance, rel=1e-10)
     assert found.noise.time == time
     np.testing.assert_allclose(
-        found.root @ found.root.T, variance * np.linalg.inv(normal), rtol=1e-9, atol=1e-15
+        root @ root.T, variance * np.linalg.inv(normal), rtol=1e-9, atol=1e-15
     )
 
 

@@ -29,17 +29,17 @@ def dataset_of(inference, data):
     """Return the Dataset of an `Inference`, with notes and warnings on it."""
     solution, quantities = inference.solution, inference.quantities
     record = solution.problem.record
-    result = estimate_variables(inference.estimates)
+    variables: dict = {}
     if (values := without_trend(inference)) is not None:
-        result = result.assign(labelled("parameter", without_trend=values))
+        variables |= labelled("parameter", without_trend=values)
     if inference.profiles:
-        result = result.assign(_profile_variables(inference.profiles, quantities))
-        result = result.assign_coords(profile_point=np.arange(result.sizes["profile_point"]))
+        variables |= _profile_variables(inference.profiles, quantities)
     if inference.posterior is not None:
-        result = result.assign(_posterior_variables(inference.posterior, quantities))
+        variables |= _posterior_variables(inference.posterior, quantities)
     curves = curve_variables(record.time, record.friction, solution.fitted_friction)
-    texts = text_variables(*diagnose(inference, data))
-    result = result.merge(curves).assign(_band_variables(solution) | _statistics(inference) | texts)
+    variables |= {**curves.variables, **_band_variables(solution), **_statistics(inference)}
+    variables |= text_variables(*diagnose(inference, data))
+    result = estimate_variables(inference.estimates).assign(variables)
     if inference.posterior is not None:
         result.attrs["prior"] = prior_text(inference.posterior.prior)
     record_loading(result, record.loading)
@@ -158,7 +158,8 @@ def _profile_variables(profiles, quantities):
         if profile := profiles.get(quantity.name):
             table[:, i, : profile.values.size] = quantity.si(profile.values), profile.deviance
     dims = ("parameter", "profile_point")
-    return labelled(dims, profile_value=value, profile_deviance=deviance)
+    variables = labelled(dims, profile_value=value, profile_deviance=deviance)
+    return {"profile_point": ("profile_point", np.arange(size)), **variables}
 
 
 def _posterior_variables(posterior, quantities):
@@ -216,7 +217,7 @@ def _statistics(inference):
     V_start, *states = start_names(law)
     if V_start in solution.unknowns.names:
         at = forward.values(solution.point[None])
-        v, logs = forward.start(at, forward.coefficients(at))
+        v, logs = forward.start(at, forward.steady(at))
         values[V_start] = forward.V0 * np.exp(v.item())
         for name, D, log in zip(states, law.lengths, logs, strict=True):
             values[name] = (at[D] / forward.V0 * np.exp(log)).item()

@@ -6,11 +6,13 @@ Neighbours take nearly the same steps, so that most of their errors cancel: with
 differences of 3e-5, derivatives are accurate to 1e-6.  Fits of cycles use `marched` as well.
 """
 
+import dataclasses
+
 import numpy as np
 
 from ...dynamics.simulation.engine_cases import V_LIMIT, comes_to_rest, engine_loads
 from ...engine import backend, dispatch
-from ...engine.model import FINISHED, RIGID_REST, STATUSES, Cases
+from ...engine.model import FINISHED, RIGID_REST, STATUSES, Cases, Loads
 from ...errors import ParameterError
 from ...friction.composition import under_varying_stress
 from ...model.arrays import Batch
@@ -32,6 +34,8 @@ class ForwardModel:
 
     def __init__(self, names, steps):
         self.names, self.steps, self.evaluations = names, steps, 0
+        #: name and point (bytes) of a reported quantity -> its derivatives
+        self.gradients: dict = {}
 
     def values(self, points):
         """Return name -> (n,) values [SI] at points (n, k)."""
@@ -97,6 +101,7 @@ class Forward(ForwardModel):
         loading = record.loading
         self.V0 = float(loading.V[0])  # reference: v = 0 in steady sliding at this speed
         self.loads, row = engine_loads(Batch({"sigma": slider.sigma}), loading)
+        self.load_rows: int | np.ndarray = 0
         self.max_steps = MAX_STEPS_OF_FIT
         if np.isinf(slider.K) and "K" not in names:
             self.fixed["M"] = 0.0  # inertia does not affect a rigid machine
@@ -110,20 +115,29 @@ class Forward(ForwardModel):
         may_run_away = self.fixed["M"] == 0.0 and not self.fixed.get("damping")
         self.v_limit = np.log(V_LIMIT / self.V0) if may_run_away else np.inf
 
+    def push(self, start, end, speed):
+        """Move the load point faster from start to end [s], in each of n sliders, all (n, 1)."""
+        loading, t = self.record.loading, np.unique([*self.loads.t, *start.flat, *end.flat])
+        speeds = loading.speed.refined(t[t < loading.speed.until])
+        refined = dataclasses.replace(loading, speed=speeds)
+        loads, _ = engine_loads(Batch({"sigma": self.sigma}), refined)
+        many = (np.repeat(table, len(start), axis=0) for table in loads[1:])
+        self.loads, self.load_rows = Loads(loads.t, *many), np.arange(len(start))
+        self.loads.V[...] += np.where((loads.t >= start) & (loads.t < end), speed, 0.0)
+
     def friction_and_regressors(self, points):
         values = self.values(points)
-        p = self.coefficients(values)
-        saved = self._motion(values, p)
+        steady = self.steady(values)
+        saved = self._motion(values, steady)
         a, K = values["a"][:, None], values["K"][:, None]
         x, v, psi = saved[..., 0], saved[..., 1], np.moveaxis(saved[..., 2:], -1, 0)
         shown, is_mu = x, self.record.kind == "mu"
         if is_mu:
             with np.errstate(over="ignore", invalid="ignore"):
-                of_samples = tuple(column[:, None] for column in p)
+                of_samples = tuple(column[:, None] for column in steady.p)
                 shown = self.law.at(v, tuple(psi), of_samples).R
-        at = self.law.steady(p)
-        steady = at.R if is_mu else at.S
-        friction = a * (shown - np.reshape(steady, (-1, 1)))
+        friction = shown - np.reshape(steady.R if is_mu else steady.S, (-1, 1))
+        friction *= a
         if self.stress is not None and not is_mu:  # tau divided by the current sigma
             level, delayed = self.record.level, self.record.t - values["lag"][:, None]
             stress = self.stress.with_sigma(self.sigma).at(np.maximum(delayed, 0.0))
@@ -133,7 +147,7 @@ class Forward(ForwardModel):
             along = along - (a * self.sigma / K) * (x - x[:, :1])
         regressors = self.record.regressors(along)
         for name, regressor in regressors.items():
-            friction = friction + values[name][:, None] * regressor
+            friction += values[name][:, None] * regressor
         self.evaluations += len(friction)
         return friction, regressors
 
@@ -172,21 +186,21 @@ class Forward(ForwardModel):
                 mu0 = np.where(is_known, mu0, mu0 + step)
         return mu0
 
-    def start(self, values, p):
+    def start(self, values, steady):
         """Return ln(V/V0) (n,) at the start, and ln(V0 theta/D) (n,) of the states."""
         V_start, *states = (values[name] for name in start_names(self.law))
-        steady = self.law.log_states(0.0, self.law.steady(p).psi, p)
-        return V_start, tuple(x + y for x, y in zip(steady, states, strict=True))
+        logs = self.law.log_states(0.0, steady.psi, steady.p)
+        return V_start, tuple(x + y for x, y in zip(logs, states, strict=True))
 
-    def coefficients(self, values):
-        """Return the law's coefficients p for V0, a tuple of (n,)."""
+    def steady(self, values):
+        """Return the `Point` of steady sliding at V0."""
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return self.law.coefficient_arrays(self.V0, values)
+            return self.law.steady(self.law.coefficient_arrays(self.V0, values))
 
-    def _motion(self, values, p):
+    def _motion(self, values, steady):
         """Return x, v, psi (n, m, 2 + states) at the samples."""
         a, Dc, K, M = (values[symbol] for symbol in ("a", "Dc", "K", "M"))
-        of_motion = p
+        p = of_motion = steady.p
         if self.stress is not None:
             own = {"sigma_amplitude": self.stress.amplitude, "sigma_period": self.stress.period}
             of_motion = self.moving_law.coefficient_arrays(self.V0, values | own)
@@ -197,13 +211,14 @@ class Forward(ForwardModel):
         which = np.arange(a.size) if len(times) > 1 else np.zeros(a.size, np.int64)
         end = np.maximum(times[:, -1], 1e-9 * self.record.t[-1])
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            log_w, log_states = self.start(values, p)
+            log_w, log_states = self.start(values, steady)
             psi = self.law.variables(log_w, log_states, p)
             x = self.law.at_speed(log_w, psi, p).S
             v = self.law.v_at(np.exp(log_w), psi, p)
             per_stress = 1.0 / (a * self.sigma)
             cases = cases_of(
                 kappa=K * Dc * per_stress,
+                loading=self.load_rows,
                 p=np.stack(of_motion, axis=1),
                 sigma=self.sigma,
                 eta0=M * self.V0**2 * per_stress / Dc,

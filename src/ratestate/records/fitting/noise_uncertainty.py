@@ -53,24 +53,24 @@ class LikelyNoise(NamedTuple):
     """Likely shapes of the noise, besides the noise of the fit."""
 
     solution: Solution  # the fit
-    shapes: list  # `Conditional` for each shape
+    estimates: list  # `RestrictedLikelihood.shift_and_root` for each shape
     weight: np.ndarray  # of each shape; the sum is 1
 
     def widening(self, gradients):
         """Return the `Widening` of quantities with these gradients (q, k)."""
-        means = np.array([gradients @ one.shift for one in self.shapes])  # (shapes, q)
-        spreads = np.array([np.linalg.norm(gradients @ one.root, axis=1) for one in self.shapes])
+        shifts, shape_roots = map(np.array, zip(*self.estimates, strict=True))
+        means = shifts @ gradients.T  # (shapes, q)
+        spreads = np.linalg.norm(gradients @ shape_roots, axis=2)
         own = np.linalg.norm(gradients @ self.solution.root, axis=1)
         seen = (spreads > 0.0).all(axis=0) & (own > 0.0)
         means, spreads, own = means[:, seen], spreads[:, seen], own[seen]
         errors, roots = (part.copy() for part in Widening.none(len(gradients)))
         errors[seen] = np.sqrt(self.weight @ (spreads**2 + means**2)) / own
-        tails = 0.5 - 0.5 * np.array(LEVELS)
-        for level, tail in enumerate(tails):
-            for side, sign in enumerate((-1.0, 1.0)):
-                ends = _quantile(self.weight, sign * means, spreads, 1.0 - tail)
-                # every interval contains the estimate
-                roots[seen, level, side] = np.maximum(ends, 0.0) / own
+        both = np.stack([-means, means], axis=-1)[:, :, None]  # (shapes, q, 1, sides)
+        parts = 0.5 + 0.5 * np.array(LEVELS)[:, None]
+        ends = _quantile(self.weight, both, spreads[:, :, None, None], parts)
+        # every interval contains the estimate
+        roots[seen] = np.maximum(ends, 0.0) / own[:, None, None]
         return Widening(errors, roots)
 
     def inflation(self, coordinates):
@@ -87,7 +87,7 @@ class LikelyNoise(NamedTuple):
         columns = self.solution.jacobian[:, chosen + others]
         remainder = project_out(self.solution, columns, len(chosen))
         information, rows = remainder.T @ remainder, np.ix_(chosen, chosen)
-        squares = [one.root @ one.root.T + np.outer(one.shift, one.shift) for one in self.shapes]
+        squares = [root @ root.T + np.outer(shift, shift) for shift, root in self.estimates]
         factors = np.array([np.sum(information * one[rows]) for one in squares]) / len(chosen)
         factor = float(self.weight @ factors)
         return Inflation(factor, float(self.weight @ (factors / factor - 1.0) ** 2))
@@ -98,44 +98,46 @@ def likely_noise(solution):
     likelihood = RestrictedLikelihood(
         solution.problem.record.t, solution.residual, solution.jacobian
     )
-    shapes, weight = likely_shapes(likelihood, solution.noise)
-    return LikelyNoise(solution, shapes, weight) if shapes else None
+    estimates, weight = likely_estimates(likelihood, solution.noise, solution.peaks)
+    return LikelyNoise(solution, estimates, weight) if estimates else None
 
 
-def likely_shapes(likelihood, near=None):
-    """Return `Conditional`s (list) for likely shapes of the noise, and weights (n,).
+def likely_estimates(likelihood, near=None, peaks=None):
+    """Return `shift_and_root` (list) for likely shapes of the noise, and weights (n,).
 
     near : as for `estimated_noise`
+    peaks : the `modes` of each family, if they are known
 
     The weights add up to 1.  The list is empty if no shape is possible.
     """
     shapes, priors = [likelihood.at()], [1.0]
-    for family in families(likelihood):
-        likely, part = _grid_shapes(family, near)
+    each = families(likelihood)
+    peaks = [modes(family, near) for family in each] if peaks is None else peaks
+    for family, found in zip(each, peaks, strict=True):
+        likely, part = _grid_shapes(family, found)
         shapes += likely
         priors += [part] * len(likely)
     log_weight = np.array([one.log_likelihood for one in shapes])
     if not np.isfinite(log_weight).any():
         return [], log_weight
     weight = np.array(priors) * np.exp(log_weight - log_weight.max())
-    return shapes, weight / weight.sum()
+    return [likelihood.shift_and_root(one.factor) for one in shapes], weight / weight.sum()
 
 
 def _quantile(weight, means, spreads, part):
-    """Return quantiles (q,), at probability `part`, of mixtures of Gaussians (n, q)."""
+    """Return quantiles, at probabilities `part`, of mixtures of Gaussians, shapes first."""
     low = (means - 10.0 * spreads).min(axis=0)
     high = (means + 10.0 * spreads).max(axis=0)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        below = weight @ scipy.special.ndtr((middle - means) / spreads) < part
+        below = np.tensordot(weight, scipy.special.ndtr((middle - means) / spreads), axes=1) < part
         low, high = np.where(below, middle, low), np.where(below, high, middle)
     return 0.5 * (low + high)
 
 
-def _grid_shapes(family, near):
-    """Return `Conditional`s (list) for likely shapes of a grid, and their prior."""
+def _grid_shapes(family, peaks):
+    """Return `Conditional`s (list) for likely shapes of a grid about modes, and their prior."""
     low, high = family.bounds.T
-    peaks = modes(family, near)
     highest, best = max(peaks, key=lambda mode: mode[0])
     axes = _principal_axes(family, best)
     # grid points have integer coordinates along the axes, relative to the best mode
@@ -161,17 +163,12 @@ def _principal_axes(family, point):
     """Return the grid's steps (2, 2), as columns: a deviation along each axis."""
     h = DIFFERENCE
     low, high = family.bounds.T
-    point = np.clip(point, low + h, high - h)
-
-    def minus(x, y):
-        return -family.at(point + np.array([x, y])).log_likelihood
-
-    centre = minus(0.0, 0.0)
+    corner = np.clip(point, low + h, high - h) - h
+    around = [family.at(corner + h * np.array(z)).log_likelihood for z in np.ndindex(3, 3)]
+    (ll, lc, lh), (cl, centre, ch), (hl, hc, hh) = -np.reshape(around, (3, 3))
     with np.errstate(invalid="ignore"):  # an impossible shape has -inf
-        xx = (minus(h, 0.0) + minus(-h, 0.0) - 2.0 * centre) / h**2
-        yy = (minus(0.0, h) + minus(0.0, -h) - 2.0 * centre) / h**2
-        xy = (minus(h, h) - minus(h, -h) - minus(-h, h) + minus(-h, -h)) / (4.0 * h**2)
-    curvature = np.array([[xx, xy], [xy, yy]])
+        xx, yy, xy = lc + hc - 2.0 * centre, cl + ch - 2.0 * centre, 0.25 * (ll + hh - lh - hl)
+    curvature = np.array([[xx, xy], [xy, yy]]) / h**2
     if not np.isfinite(curvature).all():
         return LONGEST * np.eye(2)
     values, vectors = np.linalg.eigh(curvature)

@@ -49,7 +49,7 @@ class Samples(NamedTuple):
         along : (..., m) slip or time, by default `trend_variable`
         """
         along = self.trend_variable if along is None else along
-        level = {"level": np.ones_like(along)}
+        level = {"level": np.broadcast_to(1.0, along.shape)}
         return level | {"trend": along} if self.trend else level
 
     @property
@@ -158,11 +158,14 @@ class LeastSquares:
         """Return model less observed (n, m) at points (n, k); NaN without a motion."""
         return self.forward.friction(points) - self.observed
 
+    def linearised(self, point):
+        """Return difference (m,) and jacobian (m, k) side by side; NaN, 0 without a motion."""
+        friction, jacobian = self.forward.jacobian(point)
+        return np.column_stack([friction - self.observed, np.nan_to_num(jacobian)])
+
     def whitened(self, point, noise):
         """Return whitened difference (m,) and jacobian (m, k); NaN, 0 without a motion."""
-        friction, jacobian = self.forward.jacobian(point)
-        columns = np.column_stack([friction - self.observed, np.nan_to_num(jacobian)])
-        white, _ = noise.whiten(self.t, columns)
+        white, _ = noise.whiten(self.t, self.linearised(point))
         return white[:, 0], white[:, 1:]
 
 

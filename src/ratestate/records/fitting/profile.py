@@ -253,10 +253,9 @@ def are_gaussian(solution, quantities):
     as not Gaussian if one of its points is out of bounds or has no motion.
     """
     point, problem = solution.point, solution.problem
-    along = [solution.covariance_with(quantity) for quantity in quantities]
-    errors = [quantity.standard_error(solution) for quantity in quantities]
-    steps = [2.0 * u / error for u, error in zip(along, errors, strict=True)]
-    points = np.array([point + sign * step for step in steps for sign in (-1.0, 1.0)])
+    errors = np.array([quantity.standard_error(solution) for quantity in quantities])
+    along = np.array([solution.covariance_with(one) for one in quantities]) / errors[:, None]
+    points = np.concatenate([point - 2.0 * along, point + 2.0 * along])
     is_valid = ((points > problem.unknowns.low) & (points < problem.unknowns.high)).all(axis=1)
     points[~is_valid] = point
     residuals = problem.difference(points)
@@ -266,17 +265,18 @@ def are_gaussian(solution, quantities):
     white, _ = solution.noise.whiten(problem.t, columns)
     whitened, jacobian = white[:, : len(points)], white[:, len(points) :]
     slopes = jacobian.T @ whitened
-    gain = np.sum((solution.root.T @ slopes) ** 2, axis=0)
-    root = np.zeros(len(points))
-    for i, (quantity, u, error) in enumerate(zip(quantities, along, errors, strict=True)):
-        for p in (2 * i, 2 * i + 1):
-            # leave out the part of the gain that would move the quantity itself
-            gain_of_others = gain[p] - (u @ slopes[:, p] / error) ** 2
-            deviance = whitened[:, p] @ whitened[:, p] - gain_of_others - solution.chi2
-            moved = (quantity.value(points[p]) - quantity.value(point)) / error
-            root[p] = np.sqrt(max(deviance, 0.0)) / max(abs(moved), 1e-9)
+    # leave out the part of the gain that would move the quantity itself
+    of_itself = np.sum(np.concatenate([along, along]).T * slopes, axis=0)
+    gain_of_others = np.sum((solution.root.T @ slopes) ** 2, axis=0) - of_itself**2
+    deviance = np.sum(whitened**2, axis=0) - gain_of_others - solution.chi2
+    three = [
+        q.values(np.stack([point, *points[i :: len(errors)]])) for i, q in enumerate(quantities)
+    ]
+    start, *ends = np.array(three).T
+    moved = np.abs((ends - start) / errors).ravel()
+    root = np.sqrt(np.maximum(deviance, 0.0)) / np.maximum(moved, 1e-9)
     close = is_valid & (np.abs(root - 1.0) < TOLERANCE)
-    return [bool(both) for both in close.reshape(-1, 2).all(axis=1)]
+    return close.reshape(2, -1).all(axis=0).tolist()
 
 
 def _is_contradicted(solution, quantity, profile, fits):

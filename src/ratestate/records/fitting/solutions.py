@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from ..kit.noise import Noise, estimated_noise
+from ..kit.noise import Noise, RestrictedLikelihood, estimated_noise
 from ..messages import fitting as sentences
 from .forward import Forward
 from .problem import (
@@ -48,6 +48,7 @@ class Solution(NamedTuple):
     problem: SamplesProblem
     noise: Noise
     point: np.ndarray  # (k,)
+    peaks: list | None  # `modes` of each family of noise at the point; None: not known
     root: np.ndarray  # (k, k) with root @ root.T the covariance
     fitted_friction: np.ndarray  # (m,)
     jacobian: np.ndarray  # (m, k) of the fitted friction
@@ -168,37 +169,37 @@ def solution_from(problem, point, noise):
 
     ParameterError if the slider at this point does not move through the whole record.
     """
-    t, observed = problem.t, problem.observed
+    t = problem.t
     current = problem.white_noise(point) if noise is None else noise
     before = problem.forward.evaluations
-    result, was_white = _checked_search(problem, point, current), True
+    result, peaks, is_first = _checked_search(problem, point, current), None, True
+    columns = problem.linearised(result.x)
     for _ in range(ROUNDS if noise is None else 0):
-        friction, jacobian = problem.forward.jacobian(result.x)
-        residual = friction - observed
-        current = estimated_noise(t, residual, np.nan_to_num(jacobian), current)
+        likelihood = RestrictedLikelihood(t, columns[:, 0], columns[:, 1:])
+        current, peaks = estimated_noise(likelihood, current)
         # the error of the march counts as noise: a simulated record may have no other
         current = current._replace(
             white=float(np.hypot(current.white, FLOOR * problem.record.scale))
         )
-        if current.red == 0.0 and was_white:
+        if current.red == 0.0 and is_first:
             break  # all weights change by one factor, so the minimum does not move
-        last, was_white = result.x, False
+        last, peaks, is_first = result.x, None, False
         result = _checked_search(problem, last, current)
+        columns = problem.linearised(result.x)
         error = np.linalg.norm(root_of_covariance(result.jacobian), axis=1)
         if (np.abs(result.x - last) <= CONVERGED * error).all():
             break
-    friction, jacobian = problem.forward.jacobian(result.x)
-    jacobian = np.nan_to_num(jacobian)
-    white, log_determinant = current.whiten(t, np.column_stack([friction - observed, jacobian]))
+    white, log_determinant = current.whiten(t, columns)
     chi2 = float(white[:, 0] @ white[:, 0])
     constant = t.size * np.log(2.0 * np.pi)
     return Solution(
         problem,
         current,
         result.x,
+        peaks,
         root_of_covariance(white[:, 1:]),
-        friction,
-        jacobian,
+        columns[:, 0] + problem.observed,
+        columns[:, 1:],
         chi2,
         -0.5 * (chi2 + log_determinant + constant),
         result.converged,

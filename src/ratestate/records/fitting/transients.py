@@ -9,14 +9,12 @@ The machine filters the added friction, and a soft machine oscillates.  Friction
 acts on the slider as a load point that moves by f sigma/K, so that one march gives the effect.
 """
 
-import dataclasses
-
 import numpy as np
 import scipy
 
 from ..kit.noise import RestrictedLikelihood
 from .forward import Forward
-from .noise_uncertainty import likely_shapes
+from .noise_uncertainty import likely_estimates
 from .problem import change_times
 
 #: distances over which added friction changes, as multiples of the law's longest distance
@@ -48,13 +46,13 @@ def transients_p_value(solution, D):
     if not count:
         return np.nan
     likelihood = RestrictedLikelihood(record.t, solution.residual, jacobian)
-    shapes, weight = likely_shapes(likelihood)
-    if not shapes:
+    estimates, weight = likely_estimates(likelihood)
+    if not estimates:
         return np.nan
     chances = []
-    for one in shapes:
+    for shift, root in estimates:
         # root @ root.T is the covariance of the transients, which may be singular
-        scaled = np.linalg.lstsq(one.root[:count], one.shift[:count])[0]
+        scaled = np.linalg.lstsq(root[:count], shift[:count])[0]
         chances.append(scipy.special.fdtrc(count, likelihood.degrees, scaled @ scaled / count))
     return float(weight @ np.array(chances))
 
@@ -72,9 +70,8 @@ def _transients(solution, D):
     speeds = np.maximum(loading.V_load(times[chosen]), HOLD * loading.V.max())
     # the longest change ends with the record at the latest
     once = np.minimum(D / speeds, (end - times[chosen]) / LENGTHS[-1])
-    steps = zip(times[chosen].tolist(), once.tolist(), strict=True)
-    effects = [_effect_of_fall(solution, t, x * unit) for t, unit in steps for x in LENGTHS]
-    columns = np.reshape(effects, (-1, record.t.size)).T
+    starts = np.repeat(times[chosen], len(LENGTHS))
+    columns = _effects_of_falls(solution, starts, np.outer(once, LENGTHS).ravel()).T
     columns = columns[:, np.isfinite(columns).all(axis=0)]
     columns = columns / np.maximum(np.linalg.norm(columns, axis=0), TINY)
     basis = np.linalg.qr(jacobian[:, jacobian.any(axis=0)])[0]
@@ -82,27 +79,17 @@ def _transients(solution, D):
     return rest[:, sizes > LEAST]
 
 
-def _effect_of_fall(solution, start, duration):
-    """Return the change of friction (m,) from an even fall of friction by 1.
+def _effects_of_falls(solution, starts, durations):
+    """Return the changes of friction (n, m) from even falls of friction by 1.
 
-    It is computed to first order.  The fall takes `duration` [s].  NaN without a motion.
+    They are computed to first order.  The falls start at times (n,) and take durations (n,) [s].
+    NaN without a motion.
     """
     problem, record = solution.problem, solution.problem.record
-    point = solution.point[None]
-    values = problem.forward.values(point)
+    values = problem.forward.values(solution.point[None])
     a, K, lag = (float(values[name][0]) for name in ("a", "K", "lag"))
-    fall = SIZE * a
-    loading = _with_extra_motion(record.loading, start, duration, fall * problem.slider.sigma / K)
-    forward = Forward(record._replace(loading=loading), problem.slider, problem.unknowns.names)
-    moved = forward.friction(point)[0] - solution.fitted_friction
+    fall, start, duration = SIZE * a, starts[:, None], durations[:, None]
+    forward = Forward(record, problem.slider, problem.unknowns.names)
+    forward.push(start, start + duration, fall * problem.slider.sigma / (K * duration))
+    moved = forward.friction(np.tile(solution.point, (starts.size, 1))) - solution.fitted_friction
     return moved / fall - np.clip((record.t - lag - start) / duration, 0.0, 1.0)
-
-
-def _with_extra_motion(loading, start, duration, distance):
-    """Return a loading with a distance [m] added evenly from start on."""
-    end = start + duration
-    t = np.union1d(loading.t, [start, end])
-    speed = loading.speed.refined(t[t < loading.speed.until])
-    push = np.where((speed.t >= start) & (speed.t < end), distance / duration, 0.0)
-    pushed = dataclasses.replace(speed, start=speed.start + push, end=speed.end + push)
-    return dataclasses.replace(loading, speed=pushed)

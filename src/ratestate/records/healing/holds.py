@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 import xarray
 
-from ..kit.noise import Noise, estimated_noise
+from ..kit.noise import Noise, RestrictedLikelihood, estimated_noise
 from ..kit.regression import basis
 from ..kit.sample_noise import rounding
 from ..load_point.segments import Segments
@@ -201,7 +201,7 @@ def _noise(t, friction, parts, least):
     residual = friction[rows] - columns @ np.linalg.lstsq(columns, friction[rows])[0]
     if np.std(residual) <= least:
         return Noise(least)
-    noise = estimated_noise(t[rows], residual, columns)
+    noise, _ = estimated_noise(RestrictedLikelihood(t[rows], residual, columns))
     # parts determine only the ratio red^2/time of noise that is slower than they are long
     longest = max(float(t[part[-1]] - t[part[0]]) for part in parts)
     if noise.exponent is not None or noise.time <= longest:

@@ -47,25 +47,23 @@ def minimum(function, start, low, high, most, enough=0.0):
         return None
     damping, growth, scale, blocked = FIRST, 2.0, np.zeros(x.size), False
     for _ in range(most - 1):
-        slope = jacobian.T @ residual
-        free = ~_is_held(x, slope, low, high)
-        scale = np.maximum(scale, np.linalg.norm(jacobian, axis=0))
-        size = np.linalg.norm(jacobian[:, free], axis=0)
-        size[size == 0.0] = 1.0
         # the R of a QR decomposition has the same inner products as the columns
-        rows = np.column_stack([jacobian[:, free] / size, residual])
-        triangle: Any = np.linalg.qr(rows, mode="r")
-        columns, rest = triangle[:, :-1], triangle[:, -1]
+        triangle: Any = np.linalg.qr(np.column_stack([jacobian, residual]), mode="r")
+        by_x, rest = triangle[:, :-1], triangle[:, -1]
+        slope, size = by_x.T @ rest, np.linalg.norm(by_x, axis=0)
+        free, scale = ~_is_held(x, slope, low, high), np.maximum(scale, size)
+        size = np.where(size > 0.0, size, 1.0)[free]
+        columns = by_x[:, free] / size
         weights = np.diag(np.sqrt(damping) * scale[free] / size)
         damped = np.concatenate([columns, weights]), np.append(rest, np.zeros(len(weights)))
         trial = x.copy()
         trial[free] -= np.linalg.lstsq(*damped, rcond=None)[0] / size
         trial = np.clip(trial, low, high)
-        change = jacobian @ (trial - x)
+        change = by_x @ (trial - x)
         expected = -float(slope @ (trial - x)) - _half_square(change)
         u, s, _ = np.linalg.svd(columns, full_matrices=False)
         most_fall = _half_square(u.T[s > SEEN] @ rest)  # to the minimum without bounds
-        frees = ~free & ~_is_held(x, slope + jacobian.T @ change, low, high)
+        frees = ~free & ~_is_held(x, slope + by_x.T @ change, low, high)
         if most_fall <= CONVERGED * cost + 0.5 * enough and not frees.any():
             better = expected > 0.0  # clipped, a step may lead up
             return Minimum(trial if better else x, cost - max(expected, 0.0), jacobian, True)

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy
 
-from ...engine.noise import whiten
+from ...engine.noise import Whitening
 from ...model.units import one_in_si
 from ..messages import kit as sentences
 
@@ -49,26 +49,18 @@ class Noise(NamedTuple):
         if self.exponent is None:
             return np.array([self.red**2]), np.array([self.time])
         count = 1 + max(round(math.log10(self.time / spacing)), 1)
-        times = np.geomspace(self.time, spacing, count)
+        times = self.time * (spacing / self.time) ** np.linspace(0.0, 1.0, count)
         weights = (times / self.time) ** (self.exponent - 1.0)
         return self.red**2 * weights / weights.sum(), times
 
     def whiten(self, t, columns):
         """Transform columns (n, k) at times t (n,) to unit white noise; return ln det(cov) too."""
-        columns = np.ascontiguousarray(np.reshape(columns, (t.size, -1)))
-        dt = np.diff(t)
-        return self.whiten_steps(dt, float(np.median(dt)) if self.red else 0.0, columns)
-
-    def whiten_steps(self, dt, spacing, columns):
-        """Do the same as `whiten` for steps dt (n - 1,) between samples [s].
-
-        spacing : median of dt
-        columns : (n, k), contiguous
-        """
+        columns, dt = np.ascontiguousarray(np.reshape(columns, (t.size, -1))), np.diff(t)
         if self.red == 0.0:
             return columns / self.white, 2.0 * len(columns) * math.log(self.white)
-        variances, times = self.relaxations(spacing)
-        return whiten(dt, self.white**2, variances, times, columns)
+        parts = self.white**2, *self.relaxations(float(np.median(dt)))
+        white, log_determinant = Whitening(dt, columns)(*parts)
+        return white[:, : columns.shape[1]], log_determinant
 
     @property
     def level(self):
@@ -109,12 +101,12 @@ def given_noise(noise):
 
 
 class Conditional(NamedTuple):
-    """Results for noise of a given shape, in a fit with k coordinates."""
+    """Results for noise of a given shape."""
 
     log_likelihood: float  # restricted; -inf if the record does not determine the coordinates
     noise: Noise  # noise of this shape with the likeliest variance
-    shift: np.ndarray  # (k,) first-order change of the estimates by generalized least squares
-    root: np.ndarray  # (k, k) with root @ root.T the covariance of the estimates
+    #: Cholesky factor of the products of columns whitened with this noise; None if impossible
+    factor: np.ndarray | None
 
 
 class RestrictedLikelihood:
@@ -125,36 +117,42 @@ class RestrictedLikelihood:
     """
 
     def __init__(self, t, residual, jacobian):
-        self.size = jacobian.shape[1]
+        self.size, dt = jacobian.shape[1], np.diff(t)
         self.seen = np.flatnonzero(jacobian.any(axis=0))
         self.scale = np.abs(jacobian[:, self.seen]).max(axis=0)
-        columns = np.column_stack([residual, jacobian[:, self.seen] / self.scale])
-        self.columns = np.ascontiguousarray(columns)  # as whitening requires
-        self.degrees = residual.size - self.seen.size
-        self.dt = np.diff(t)
+        columns = np.column_stack([jacobian[:, self.seen] / self.scale, residual])
+        self.degrees, self._whitened = residual.size - self.seen.size, Whitening(dt, columns)
         #: median time between samples, and length of the record [s]
-        self.spacing, self.length = float(np.median(self.dt)), float(t[-1] - t[0])
+        self.spacing, self.length = float(np.median(dt)), float(t[-1] - t[0])
 
     def at(self, shape=WHITE):
         """Return the `Conditional` for a `Noise` of this shape and any variance."""
-        shift, root = np.zeros(self.size), np.zeros((self.size, self.size))
-        impossible = Conditional(-math.inf, WHITE, shift, root)
-        white, log_determinant = shape.whiten_steps(self.dt, self.spacing, self.columns)
-        normal = white.T @ white
+        parts, count = shape.relaxations(self.spacing), self.seen.size + 1
+        white, log_determinant = self._whitened(shape.white**2, *parts)
         try:
-            factor = np.linalg.cholesky(normal[1:, 1:])
-        except np.linalg.LinAlgError:  # the record does not depend on some combination
-            return impossible
-        inverse = np.linalg.inv(factor)
-        projected = inverse @ normal[1:, 0]
-        variance = max(normal[0, 0] - projected @ projected, 0.0) / self.degrees
-        if not variance > 0.0:
-            return impossible
-        log_normal = 2.0 * np.log(factor.diagonal()).sum()
-        minus = 0.5 * (self.degrees * math.log(variance) + log_determinant + log_normal)
-        shift[self.seen] = (inverse.T @ projected) / self.scale
-        root[np.ix_(self.seen, self.seen)] = math.sqrt(variance) * inverse.T / self.scale[:, None]
-        return Conditional(-minus, shape.times(math.sqrt(variance)), shift, root)
+            factor = np.linalg.cholesky((white.T @ white)[:count, :count])
+        except np.linalg.LinAlgError:  # no residual, or a combination without any effect
+            factor = np.zeros((1, 1))
+        if self.degrees < 1 or not factor[-1, -1] > 0.0:
+            return Conditional(-math.inf, shape, None)
+        deviation = float(factor[-1, -1]) / self.degrees**0.5
+        log_normal = float(np.log(factor.diagonal()[:-1]).sum())
+        minus = self.degrees * math.log(deviation) + 0.5 * log_determinant + log_normal
+        return Conditional(-minus, shape.times(deviation), factor / deviation)
+
+    def shift_and_root(self, factor):
+        """Return changes (k,) of the estimates, and R (k, k) with R R^T their covariance.
+
+        The changes are by generalized least squares, to first order.
+
+        factor : of `Conditional`
+        """
+        shift, root = np.zeros(self.size), np.zeros((self.size, self.size))
+        if factor is not None:
+            inverse = np.linalg.inv(factor[:-1, :-1]).T / self.scale[:, None]
+            shift[self.seen] = inverse @ factor[-1, :-1]
+            root[np.ix_(self.seen, self.seen)] = inverse
+        return shift, root
 
 
 class NoiseFamily(NamedTuple):
@@ -199,20 +197,19 @@ def families(likelihood):
     )
 
 
-def estimated_noise(t, residual, jacobian, near=None):
-    """Estimate the `Noise` of residuals (n,) of a fit with jacobian (n, k).
+def estimated_noise(likelihood, near=None):
+    """Return the likeliest `Noise` under a `RestrictedLikelihood`, and the `modes` of each family.
 
     The noise is white unless a correlated part raises ln(likelihood) by more than `RISE`.
 
     near : `Noise` of similar residuals, from which the search starts, or None
     """
-    likelihood = RestrictedLikelihood(t, residual, jacobian)
-    white = likelihood.at()
-    pairs = [(one, family) for family in families(likelihood) for one in modes(family, near)]
+    white, each = likelihood.at(), families(likelihood)
+    peaks = [modes(family, near) for family in each]
+    pairs = [(mode, family) for family, found in zip(each, peaks, strict=True) for mode in found]
     (highest, point), family = max(pairs, key=lambda pair: pair[0][0])
-    if highest <= white.log_likelihood + RISE:
-        return white.noise
-    return family.at(point).noise
+    likeliest = family.at(point) if highest > white.log_likelihood + RISE else white
+    return likeliest.noise, peaks
 
 
 def modes(family, near=None):

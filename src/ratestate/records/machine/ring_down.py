@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from ..kit.noise import Noise, estimated_noise
+from ..kit.noise import Noise, RestrictedLikelihood, estimated_noise
 from ..kit.regression import central_differences, fall_of_chi2, generalized_least_squares
 
 #: samples of the shortest window, ratio of a window to the one before, samples of the longest one
@@ -139,7 +139,7 @@ def _fit(t, friction, rows, begin, omega, decay):
         linear, _ = generalized_least_squares(at, y, columns, noise)
         slopes = p * (linear @ central_differences(lambda q: _basis(at, *q), p, STEP * p))
         jacobian, rest = np.column_stack([slopes, columns]), y - columns @ linear
-        noise = estimated_noise(at, rest, jacobian)
+        noise, _ = estimated_noise(RestrictedLikelihood(at, rest, jacobian))
     white, _ = noise.whiten(at, jacobian)
     covariance = np.linalg.pinv(white.T @ white, rcond=1e-15)[:2, :2] * np.outer(p, p)
     # the effects of a larger oscillation: second harmonic, and shifts of level

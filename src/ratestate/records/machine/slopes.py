@@ -30,7 +30,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from ..kit.noise import Noise, estimated_noise
+from ..kit.noise import Noise, RestrictedLikelihood, estimated_noise
 from ..kit.regression import central_differences, fall_of_chi2
 from ..kit.sample_noise import sample_noise
 
@@ -150,7 +150,7 @@ def fitted_slope(t, x, friction, r, *, rested=0.0, x_error=0.0, state_error=0.0)
         point = fit.x
         columns = central_differences(model, point, np.full(point.size, STEP))
         residual = friction - model(point)
-        noise = estimated_noise(t, residual, columns)
+        noise, _ = estimated_noise(RestrictedLikelihood(t, residual, columns))
     white, _ = noise.whiten(t, columns)
     covariance = np.linalg.inv(white.T @ white + np.diag(weights**2))
     # (change of ln k if the assumed a and healing change by their standard deviations)
