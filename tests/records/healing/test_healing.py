@@ -125,9 +125,15 @@ def test_a_hold_that_begins_as_friction_crosses_its_level_has_a_larger_error():
 def test_noise_of_slip_may_exceed_the_shortest_decay_length():
     slider = rs.SpringSlider(a=0.007, b=0.008, Dc="17 um", sigma="10 MPa", K="2 GPa/m", law="aging")
     holds = (100.0, 100.0, 100.0)
-    result = rs.healing(noisy(0, slider=slider, holds=holds, slide=25.0, dt=0.002, white=1e-3))
-    # (which of both depends on rounding)
-    assert set(statuses(result)) <= {"evaluated", "not_steady_before"}
+    data = noisy(0, slider=slider, holds=holds, slide=25.0, dt=0.002, white=1e-3)
+    result = rs.healing(data)
+    expected = truth(slider, holds, last=60.0)[:, 0]
+    assert (abs(result.delta_mu - expected) < 3.0 * result.delta_mu_error).all()
+    # (the first hold begins in steady sliding, the others 25 s after a hold)
+    assert (result.delta_mu_error[0] > 5e-5) & (result.delta_mu_error[0] < 7e-5)
+    assert ((result.delta_mu_error[1:] > 5e-3) & (result.delta_mu_error[1:] < 2e-2)).all()
+    again = rs.healing(data.assign(friction=data.friction * (1.0 + 1e-12)))
+    np.testing.assert_allclose(again.delta_mu, result.delta_mu, rtol=1e-9)
 
 
 def test_a_drift_is_extrapolated():

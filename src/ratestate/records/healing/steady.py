@@ -92,13 +92,13 @@ class _Solution(NamedTuple):
 
 
 class _SlideFit(NamedTuple):
-    """Least-squares fit of a slide's level (and slope): normal matrices for each shape.
+    """Least-squares fit of a slide's level (and slope), for each shape.
 
     The last shape stands for a slide without a transient.
     """
 
     start: float  # [s]
-    normal: np.ndarray  # (shapes, 1 + k, 1 + k) inner products of friction and all columns
+    root: np.ndarray  # (shapes, rows, 1 + k) friction and all columns, triangular
     scale: np.ndarray  # (shapes,) prior standard deviation of a transient's coefficients
     size: int  # 1: level; 2: level and slope
 
@@ -109,20 +109,23 @@ class _SlideFit(NamedTuple):
         prior : mean (size,) and inverse covariance of level (and slope), or None
         """
         k = self.size + transient
-        normal, right = self.normal[:, 1 : k + 1, 1 : k + 1].copy(), self.normal[:, 1 : k + 1, 0]
-        chi2 = self.normal[:, 0, 0]
-        level, rest = slice(self.size), np.arange(self.size, k)
-        normal[:, rest, rest] += self.scale[:, None] ** -2
+        rows = [np.roll(self.root[:, :, : k + 1], -1, axis=2)]  # friction is the last column
+        of_scale = np.eye(transient, k + 1, self.size)
+        rows.append(of_scale / self.scale[:, None, None])
         if prior is not None:
             mean, inverse = prior
-            normal[:, level, level] += inverse
-            right = right + np.pad(inverse @ mean, (0, transient))
-            chi2 = chi2 + mean @ inverse @ mean
-        covariance = np.linalg.inv(normal)
-        coefficients = np.einsum("sij,sj->si", covariance, right)
-        chi2 = chi2 - np.einsum("si,si->s", right, coefficients)
-        log_normal = np.linalg.slogdet(normal)[1] + 2.0 * transient * np.log(self.scale)
-        return _Solution(coefficients, covariance, chi2, -0.5 * (chi2 + log_normal))
+            values, vectors = np.linalg.eigh(inverse)
+            level = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
+            of_prior = np.column_stack([level, np.zeros((self.size, transient)), level @ mean])
+            rows.append(np.broadcast_to(of_prior, (len(self.scale), *of_prior.shape)))
+        root = np.linalg.qr(np.concatenate(rows, axis=1), mode="r")
+        inverse = np.linalg.inv(root[:, :k, :k])
+        coefficients = (inverse @ root[:, :k, k:])[..., 0]
+        covariance = inverse @ inverse.swapaxes(1, 2)
+        chi2 = root[:, k, k] ** 2
+        log_determinant = np.log(np.abs(np.diagonal(root[:, :k, :k], axis1=1, axis2=2))).sum(axis=1)
+        log_normal = log_determinant + transient * np.log(self.scale)
+        return _Solution(coefficients, covariance, chi2, -0.5 * chi2 - log_normal)
 
     def mean(self, weights, prior):
         """Return level (and slope) and covariance, averaged over shapes with these ln(weights)."""
@@ -141,9 +144,9 @@ class _SlideFit(NamedTuple):
         The reason is that shapes describe a transient only approximately.
         """
         _, covariance = self.mean(weights, prior)
-        if covariance[0, 0] * self.normal[0, 1, 1] < POOR_FIT**2:
+        if covariance[0, 0] * (self.root[0, :, 1] ** 2).sum() < POOR_FIT**2:
             return self
-        return self._replace(normal=self.normal / MISFIT**2)
+        return self._replace(root=self.root / MISFIT)
 
 
 def levels_of(record, noise):
@@ -265,10 +268,10 @@ def _fit_in_window(columns, noise, shapes):
     first, last = np.split(white[:, : shared.shape[1]], [-TESTED], axis=1)
     parts = np.split(white[:, shared.shape[1] :], len(transients), axis=1)
     designs = [np.hstack([first, part, last]) for part in parts]
-    normal = np.array([design.T @ design for design in designs])
+    root = np.linalg.qr(np.array(designs), mode="r")
     lengths = np.array([*(shape.length for shape in shapes), 0.0])
     scale = (np.ptp(friction) + noise.level) * (1.0 + lengths / np.ptp(slip))
-    return _SlideFit(float(t[0]), normal, scale, 1 + len(drift))
+    return _SlideFit(float(t[0]), root, scale, 1 + len(drift))
 
 
 def _priors(slides, ends, means, has_slope):
