@@ -118,7 +118,7 @@ class _SlideFit(NamedTuple):
             level = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
             of_prior = np.column_stack([level, np.zeros((self.size, transient)), level @ mean])
             rows.append(np.broadcast_to(of_prior, (len(self.scale), *of_prior.shape)))
-        root = np.linalg.qr(np.concatenate(rows, axis=1), mode="r")
+        root = _triangular(np.concatenate(rows, axis=1))
         inverse = np.linalg.inv(root[:, :k, :k])
         coefficients = (inverse @ root[:, :k, k:])[..., 0]
         covariance = inverse @ inverse.swapaxes(1, 2)
@@ -147,6 +147,10 @@ class _SlideFit(NamedTuple):
         if covariance[0, 0] * (self.root[0, :, 1] ** 2).sum() < POOR_FIT**2:
             return self
         return self._replace(root=self.root / MISFIT)
+
+
+def _triangular(matrices):
+    return np.asarray(np.linalg.qr(matrices, mode="r"))
 
 
 def levels_of(record, noise):
@@ -268,7 +272,7 @@ def _fit_in_window(columns, noise, shapes):
     first, last = np.split(white[:, : shared.shape[1]], [-TESTED], axis=1)
     parts = np.split(white[:, shared.shape[1] :], len(transients), axis=1)
     designs = [np.hstack([first, part, last]) for part in parts]
-    root = np.linalg.qr(np.array(designs), mode="r")
+    root = _triangular(np.array(designs))
     lengths = np.array([*(shape.length for shape in shapes), 0.0])
     scale = (np.ptp(friction) + noise.level) * (1.0 + lengths / np.ptp(slip))
     return _SlideFit(float(t[0]), root, scale, 1 + len(drift))
