@@ -24,7 +24,8 @@ from ratestate.engine import backend, cuda, cuda_driver, dispatch, machine_code
 from ratestate.engine.model import FINISHED, RUNAWAY, STEADY_SLIDING, STEP_LIMIT
 from ratestate.engine.return_map import DERIVATIVES, RETURN_NUMBERS, Starts
 from ratestate.friction.laws import friction_law
-from ratestate.sweeps.calls import call_of, origin
+from ratestate.sweeps.calls import call_of
+from ratestate.sweeps.identity import origin
 
 OF_LAW = {"b2": 1e-3, "Dc2": 5e-5}
 #: under laws of one state and of two, with and without exponentials in their rates, without

@@ -21,7 +21,7 @@ from ratestate.dynamics.cycles.limit_cycle import LimitCycleCall, limit_cycle, l
 from ratestate.dynamics.results import versions
 from ratestate.errors import StoreError
 from ratestate.model.arrays import isel
-from ratestate.sweeps import calls, cluster, progress
+from ratestate.sweeps import calls, cluster, identity, progress
 from ratestate.sweeps import sweep as sweep_module
 from ratestate.sweeps.chunks import chunks_of
 from ratestate.sweeps.status import store_status
@@ -296,7 +296,7 @@ def test_workers_of_another_version_are_refused(client, monkeypatch):
 
 def test_workers_of_two_kinds_are_refused(client, monkeypatch):
     """The one that was asked first is of another kind than those that work."""
-    first = calls.origin("cpu")
+    first = identity.origin("cpu")
     first["processor"] |= {"cpu": "i386"}
     monkeypatch.setattr(sweep_module, "origin", {"cpu": first}.get)  # which workers can be sent
     with pytest.raises(StoreError, match=r"(?s)Use workers of one kind.*processor, cpu: i386"):

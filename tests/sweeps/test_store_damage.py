@@ -12,7 +12,7 @@ from test_store import CHUNKS, assert_same, files, interrupted, solved, sweep
 from ratestate.errors import StoreError
 from ratestate.files import read
 from ratestate.interfaces.cli.sweep_store import print_status
-from ratestate.sweeps import calls
+from ratestate.sweeps import identity
 from ratestate.sweeps import sweep as sweep_module
 from ratestate.sweeps.status import store_status
 from ratestate.sweeps.store import NO_RESULT, open_result
@@ -202,13 +202,13 @@ def test_the_status_names_damaged_files(path, capsys):
 @pytest.fixture
 def other_origin(monkeypatch):
     """Have this process take itself for another: on another processor, of other versions."""
-    now = calls.origin("cpu")
+    now = identity.origin("cpu")
 
     def be(cpu=None, lack=(), **other):
-        target, name, features = calls.this_processor()
+        target, name, features = identity.this_processor()
         kept = ",".join(one for one in features.split(",") if one[1:] not in lack)
-        monkeypatch.setattr(calls, "this_processor", lambda: (target, cpu or name, kept))
-        monkeypatch.setattr(calls, "versions", lambda: json.dumps(now["versions"] | other))
+        monkeypatch.setattr(identity, "this_processor", lambda: (target, cpu or name, kept))
+        monkeypatch.setattr(identity, "versions", lambda: json.dumps(now["versions"] | other))
 
     return be
 

@@ -15,18 +15,10 @@ from ..errors import ParameterError, RunWarning, StoreError
 from ..machine import check_fits
 from ..model.units import is_integer
 from . import sentence
-from .calls import (
-    arguments_of,
-    call_of,
-    check_cases,
-    check_device,
-    differences,
-    origin,
-    origin_differences,
-    undisturbed,
-)
+from .calls import call_of, check_cases, check_device, undisturbed
 from .chunks import cases_per_chunk, chunks_of
 from .cluster import Cluster
+from .identity import arguments_of, differences, origin, origin_differences
 from .progress import ProgressReport
 from .slurm import slurm_cluster
 from .solve import ANSWERED, bytes_per_case, form_of

@@ -10,8 +10,8 @@ from ..errors import StoreError
 from ..machine import cores
 from ..model.arrays import isel
 from . import sentence
-from .calls import origin, origin_differences
 from .chunks import Chunks
+from .identity import origin, origin_differences
 from .solve import count_failed, solve
 from .store import as_lines
 from .writing import write

@@ -176,7 +176,8 @@ def _rows(status: "StoreStatus") -> dict[str, str]:
 
 def _differences(store: Path, file: Path, law_file: Path | None) -> list[str]:
     """Differences of a file's sweep from a store's, as lines."""
-    from ...sweeps.calls import arguments_of, call_of, differences
+    from ...sweeps.calls import call_of
+    from ...sweeps.identity import arguments_of, differences
     from ...sweeps.store import Store
     from .run_scenario import load_scenario
 
