@@ -68,18 +68,22 @@ def test_errors_grow_with_correlated_noise():
     assert float(red.noise_time) == 1.0
 
 
-def test_a_peak_to_which_friction_rises_within_one_sample_has_a_larger_error():
-    """The machine is stiff: friction rises by 0.05 from one sample to the next."""
-    slider = SLIDER.replace(K="500 GPa/m", Dc="20 um")
+@pytest.mark.parametrize(
+    ("K", "white", "low", "high"),
+    [("500 GPa/m", 1e-4, 1e-4, 1e-3), ("300 GPa/m", 1e-3, 2e-4, 4e-3)],
+)
+def test_a_peak_to_which_friction_rises_within_few_samples_has_a_larger_error(K, white, low, high):
+    """The machine is stiff: friction rises by 0.03 and more from one sample to the next."""
+    slider = SLIDER.replace(K=K, Dc="20 um", law="aging")
     z, errors = [], []
-    for seed in range(4):
-        result = rs.healing(noisy(seed, slider=slider, slide=60.0, white=1e-4))
-        assert statuses(result) == ["evaluated"] * 4
-        z.append((result.delta_mu - truth(slider)[:, 0]) / result.delta_mu_error)
-        errors.append(result.delta_mu_error)
+    for seed in range(5):
+        result = rs.healing(noisy(seed, slider=slider, slide=60.0, white=white))
+        assert statuses(result)[1:] == ["evaluated"] * 3
+        z.append((result.delta_mu - truth(slider)[:, 0])[1:] / result.delta_mu_error[1:])
+        errors.append(result.delta_mu_error[1:])
     assert 0.4 < np.sqrt(np.mean(np.square(z))) < 1.6
     assert np.abs(z).max() < 3.5
-    assert 4e-5 < np.min(errors) < np.max(errors) < 2e-4
+    assert low < np.min(errors) < np.max(errors) < high
 
 
 @pytest.mark.parametrize(

@@ -31,6 +31,8 @@ FEWEST_OF_PEAK = PEAK_USED + 3
 MAX_NOISE = math.sqrt(CERTAIN / ORDERS)
 #: successive windows that must fail, because noise may make a single one fail
 FAILED = 2
+#: samples in which friction rises to a sharp peak, at most; samples that are averaged there
+SHARP, AVERAGED = 4, 3
 #: least height of a peak above friction at the end of the slide, in standard errors
 RESOLVED = 3.0
 #: largest error of the level before, as a fraction of healing; largest error of a peak with too few
@@ -162,69 +164,87 @@ def _peak(record, hold, noise, low):
     low : friction at the end of the hold
     """
     t, slide = record.t, hold.after.rows
-    columns = t, t, record.friction
-
-    def passes(size, sizes):
-        rows = _about_maximum(record.level, slide, size)
-        # (until a window passes, test all orders that are used)
-        order, most = (PEAK_TESTED, SIGNIFICANT) if sizes else (PEAK_USED, CERTAIN)
-        return curvature(*columns, rows, order, noise) <= most
-
-    sizes = windows_that_pass(FEWEST_OF_PEAK, slide.size, passes, FAILED)
-    rows, *smaller = (
-        _about_maximum(record.level, slide, size) for size in sizes[:-3:-1] or [FEWEST_OF_PEAK]
-    )
-    excess = 0.0 if smaller else curvature(*columns, rows, PEAK_USED, noise)
-    local = noise.times(max(math.sqrt(excess / ORDERS), 1.0))  # (enlarged by a misfit)
-    found = fitted_polynomial(*columns, rows, PEAK_USED, local).peak
-    if found is None and rows[-1] == slide[-1]:
+    smooth, end, too_few = _smooth_peaks(record, slide, noise)
+    sharp, rise = _sharp_peaks(record, slide, noise)
+    is_coarse = bool(smooth) and too_few and smooth[0][2] > COARSE * (smooth[0][1] - low)
+    if sharp and (not smooth or is_coarse or rise < SHARP):
+        peaks, end, too_few = sharp, sharp[0][0], sharp[0][2] > noise.level
+    else:
+        peaks = smooth + (sharp[:1] if rise < FEWEST_OF_PEAK else [])
+    if not smooth and not sharp:
+        return (ENDS if end == t[slide[-1]] else NO_PEAK), np.nan, None
+    (at, peak, error), *others = peaks
+    if np.count_nonzero(t[slide] > end) < FEWEST:
         return ENDS, np.nan, None
-    too_few = local.level > MAX_NOISE * noise.level
-    # friction that rises in fewer samples than half a window has a peak between two samples
-    high = record.level[slide[0] - GUARD : slide[-1] + 1]
-    first = slide[0] - GUARD + int(np.argmax(high >= high.max() - LIKELY * noise.level))
-    is_sharp = found is None or first < slide[FEWEST_OF_PEAK // 2]
-    if is_sharp or (too_few and found[2] > COARSE * (found[1] - low)):
-        found, smaller = _sharp_peak(record, slide, first, noise), []
-        too_few = found[2] > noise.level
-    at, peak, error = found
-    if np.count_nonzero(t[slide] > t[rows[-1]]) < FEWEST:
-        return ENDS, np.nan, None
+    # (the distance between the peaks beyond the random error is part of the error)
+    misfits = [(other[1] - peak) ** 2 - abs(other[2] ** 2 - error**2) for other in others]
+    error = math.hypot(error, math.sqrt(max([0.0, *misfits])))
     if too_few and error > COARSE * (peak - low):
         return UNRESOLVED, np.nan, None
     change = np.interp(at, t, record.level - record.friction)
     height = peak + change - record.level[slide[-FEWEST:]].mean()
     if height < RESOLVED * np.hypot(error, np.hypot(noise.white * FEWEST**-0.5, noise.red)):
         return NO_PEAK, np.nan, None
-    if smaller and (other := fitted_polynomial(*columns, smaller[0], PEAK_USED, local).peak):
-        # (the distance between both peaks beyond the random error is part of the error)
-        misfit = (other[1] - peak) ** 2 - (other[2] ** 2 - error**2)
-        error = math.hypot(error, math.sqrt(max(misfit, 0.0)))
     return EVALUATED, at, (peak, error)
 
 
-def _sharp_peak(record, slide, first, noise):
-    """Return time [s], friction and standard error of a peak to which friction rises in few steps.
+def _smooth_peaks(record, slide, noise):
+    """Return peaks (time [s], friction, standard error) of polynomials around the maximum.
 
-    The peak is between a sample and the one before.  There it is between friction at the sample and
-    the extrapolated curve of friction after it.
+    The polynomial in the largest window that it describes comes first, then that in the window
+    before.  Peaks at the end of a window are left out.  Also returns the end of the first window
+    [s], and whether its samples are too few.
+    """
+    columns = record.t, record.t, record.friction
 
-    first : the sample
+    def passes(size, passed):
+        rows = _about_maximum(record.level, slide, size)
+        # (until a window passes, test all orders that are used)
+        order, most = (PEAK_TESTED, SIGNIFICANT) if passed else (PEAK_USED, CERTAIN)
+        return curvature(*columns, rows, order, noise) <= most
+
+    passed = windows_that_pass(FEWEST_OF_PEAK, slide.size, passes, FAILED)
+    windows = [
+        _about_maximum(record.level, slide, size) for size in passed[:-3:-1] or [FEWEST_OF_PEAK]
+    ]
+    excess = 0.0 if passed[1:] else curvature(*columns, windows[0], PEAK_USED, noise)
+    local = noise.times(max(math.sqrt(excess / ORDERS), 1.0))  # (enlarged by a misfit)
+    peaks = [fitted_polynomial(*columns, rows, PEAK_USED, local).peak for rows in windows]
+    found = [peak for peak in peaks if peak] if peaks[0] else []
+    return found, record.t[windows[0][-1]], local.level > MAX_NOISE * noise.level
+
+
+def _sharp_peaks(record, slide, noise):
+    """Return peaks as `_smooth_peaks` if friction rises to the peak in few steps, and falls slowly.
+
+    Such a peak is between a sample and the one before.  There it is between friction at the sample
+    and the extrapolated curve of friction after it.  The list is empty if friction does not rise
+    suddenly.  Also returns the number of samples before the peak.
     """
     t, columns = record.t, (record.t, record.t, record.friction)
-    rows = np.arange(first, slide[-1] + 1)
+    rows = np.arange(slide[0] - GUARD, slide[-1] + 1)
+    level, clear = record.level[rows], LIKELY * noise.level
+    top = max(scipy.ndimage.uniform_filter1d(level, AVERAGED).max(), level.max() - clear)
+    rise = int(np.argmax(level >= top - clear))
+    rise += int(np.argmax(level[rise : rise + AVERAGED]))
+    first, rows = rows[rise], rows[rise:]
+    before, after = record.level[first - 2 : first].min(), record.level[rows[:AVERAGED]]
+    if rows.size < FEWEST or not before < np.median(after) - clear:
+        return [], rise
 
     def passes(size, _):
         return curvature(*columns, rows[:size], TESTED, noise) <= SIGNIFICANT
 
     sizes = windows_that_pass(FEWEST_OF_HOLD, rows.size, passes, FAILED)
-    rows = rows[: max(sizes, default=FEWEST_OF_HOLD)]
-    excess = 0.0 if sizes else curvature(*columns, rows, USED, noise)
-    fit = fitted_polynomial(*columns, rows, USED, noise.times(max(math.sqrt(excess / ORDERS), 1.0)))
-    at = 0.5 * (t[first - 1] + t[first])
-    value, error = fit.at(t[first])
-    beyond = max(fit.at(at)[0] - value, 0.0)
-    return at, value + beyond, math.hypot(error, beyond)
+    excess = 0.0 if sizes else curvature(*columns, rows[:FEWEST_OF_HOLD], USED, noise)
+    local = noise.times(max(math.sqrt(excess / ORDERS), 1.0))
+    at, peaks = 0.5 * (t[first - 1] + t[first]), []
+    for size in sizes[:-3:-1] or [FEWEST_OF_HOLD]:
+        fit = fitted_polynomial(*columns, rows[:size], USED, local)
+        value, error = fit.at(t[first])
+        beyond = max(fit.at(at)[0] - value, 0.0)
+        peaks.append((at, value + beyond, math.hypot(error, beyond)))
+    return peaks, rise
 
 
 def _about_maximum(friction, slide, width):
