@@ -226,6 +226,42 @@ def test_a_short_ramp_of_speed_is_found_as_a_step():
     )
 
 
+def driven(seed, ramp):
+    """Times, recorded speed and displacement of a motor that needs this long to change its speed.
+
+    It slides at 3 um/s, holds for 10 s from 60.2 s on, slides, and slides faster from 130.2 s on.
+    """
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.1 * rng.random(), 170.0, 0.1)
+    edges = np.array([0, 60.2, 60.2, 70.2, 70.2, 130.2, 130.2, 170])
+    edges[1:-1] += np.tile([-0.5, 0.5], 3) * ramp
+    speeds = np.array([3, 3, 0, 0, 3, 3, 30, 30]) * 1e-6
+    V = np.interp(t, edges, speeds)
+    fine = np.linspace(0.0, 170.0, 170_001)
+    x = np.interp(
+        t, fine, np.append(0, np.cumsum(np.interp(fine[1:] - 5e-4, edges, speeds)) * 1e-3)
+    )
+    return t, V * (1 + 0.003 * rng.standard_normal(t.size)), x + white(3e-9, seed, t)
+
+
+@pytest.mark.parametrize("ramp", [0.4, 0.7])
+@pytest.mark.parametrize("seed", range(7))
+def test_a_ramp_beside_a_brief_hold_is_a_step(ramp, seed):
+    t, V, x = driven(seed, ramp)
+    for found in (segments_from_velocity(t, V), segments_from_displacement(t, x)):
+        np.testing.assert_allclose(found.V, [3e-6, 0, 3e-6, 3e-5], rtol=2e-3)
+        np.testing.assert_allclose(found.t[1:], [60.2, 70.2, 130.2], atol=0.015)
+        assert max(abs(found.t[1:] - [60.2, 70.2, 130.2]) / found.t_error[1:]) < 5.0
+        assert ["is taken as a step" in note for note in found.notes] == [True] * 3
+
+
+def test_a_slow_ramp_is_not_a_step():
+    """It lasts a tenth of the hold and displaces 4 um, or a third of the hold."""
+    t, V, x = driven(0, 4.0)
+    for found in (segments_from_velocity(t, V), segments_from_displacement(t, x)):
+        assert found.V.size > 7
+
+
 def test_louder_noise_in_a_part_of_the_record_makes_no_steps():
     t, rng = np.arange(0, 600, 0.1), np.random.default_rng(1)
     noise = 1e-7 * rng.standard_normal(t.size) * np.where((t > 250) & (t < 320), 10.0, 1.0)

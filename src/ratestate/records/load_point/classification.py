@@ -29,8 +29,13 @@ HOLD_ERRORS, HOLD_SCATTER = 3.0, 1.5
 #: largest backward speed, or error of the speed, in a hold, as a fraction of the speed beside it:
 #: machines relax a little
 MAX_BACKWARD = 0.01
-#: longest ramp that counts as a step, as a fraction of the shorter run beside it
-MAX_RAMP = 0.05
+#: longest ramp that counts as a step, as a fraction of the shorter run beside it, in general and
+#: if the ramp displaces the load point by less than `MAX_TRANSIENT_SLIP`
+MAX_RAMP, MAX_RAMP_OF_SMALL_SLIP = 0.05, 0.2
+#: largest deviation of the displacement by a transient that counts as a part of a step, as a
+#: fraction of the displacement at either speed.  If an experiment slides 10 Dc at each speed, this
+#: is 5 % of Dc.
+MAX_TRANSIENT_SLIP = 0.005
 #: lowest nonzero speed, as a fraction of the largest; below it, rounding in a hold
 MIN_SPEED_RATIO = 1e-9
 #: least scatter about the lines of a wandering load point, as a multiple of the scatter from row to
@@ -139,20 +144,47 @@ def _mark_holds(runs):
 
 
 def _remove_ramps(runs):
-    """Remove short runs of monotonic speeds between two others; return runs and notes."""
-    notes, m = [], 1
-    while m < len(runs) - 1:
-        for last in range(len(runs) - 1, m, -1):
-            span = runs[m - 1 : last + 1]
-            changes = np.diff([run.V for run in span])
-            ramp = span[-1].start - span[0].end
-            shorter = min(run.end - run.start for run in (span[0], span[-1]))
-            if ramp < MAX_RAMP * shorter and ((changes > 0.0).all() or (changes < 0.0).all()):
-                notes.append(sentences("notes.ramp", ramp=ramp, first=span[0].t[span[0].last]))
-                del runs[m:last]
-                break
-        m += 1
-    return refine_breakpoints(runs), notes
+    kept, notes = leave_out_ramps(*np.transpose([(run.V, run.start, run.end) for run in runs]))
+    return refine_breakpoints([runs[k] for k in kept]), notes
+
+
+def leave_out_ramps(V, start, end):
+    """Return the indices (list) of the runs that are not part of a ramp, and notes.
+
+    V, start, end : (n,) speed [m/s], and times [s] of the first and the last row of each run
+
+    A ramp is a sequence of short runs of monotonic speeds between two longer ones.
+    """
+
+    def is_ramp(before, after):
+        span, ends = V[before : after + 1], [before, after]
+        changes, ramp = np.diff(span), start[after] - end[before]
+        shorter = (end - start)[ends].min()
+        if not (changes * changes[0] > 0.0).all() or ramp >= MAX_RAMP_OF_SMALL_SLIP * shorter:
+            return False
+        slips = abs(V * (end - start))[ends]
+        nearer = np.minimum(abs(span - span[0]), abs(span - span[-1]))[1:-1]
+        deviation = nearer @ np.diff(start[before + 1 : after + 1])
+        allowed = MAX_TRANSIENT_SLIP * slips[slips > 0.0].min(initial=np.inf)
+        return bool(ramp < MAX_RAMP * shorter or deviation <= allowed)
+
+    kept = leave_out_transients(len(V), is_ramp)
+    ramps = [(i, j) for i, j in itertools.pairwise(kept) if j > i + 1]
+    return kept, [sentences("notes.ramp", ramp=start[j] - end[i], first=end[i]) for i, j in ramps]
+
+
+def leave_out_transients(runs, is_transient):
+    """Return the indices (list) of the runs that are not transients; the longest count first.
+
+    runs : number of runs
+    is_transient : function of two indices that returns whether all runs between them are transients
+    """
+    kept = [0]
+    while kept[-1] < runs - 1:
+        others = range(runs - 1, kept[-1] + 1, -1)
+        after = (k for k in others if is_transient(kept[-1], k))
+        kept.append(next(after, kept[-1] + 1))
+    return kept
 
 
 def _scatter_of(runs):

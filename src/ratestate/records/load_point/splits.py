@@ -10,6 +10,7 @@ over its sampling interval leaves less noise at a lower rate.
 """
 
 import functools
+import itertools
 
 import numpy as np
 import scipy
@@ -122,10 +123,26 @@ def find_cuts(rows):
 
     Each run is cut at the row that reduces the misfit most, as long as the reduction is
     significant.  Then the cuts are moved between their neighbours until none improves, and cuts
-    that are no more significant are removed.  ParameterError if there are more than `MAX_RUNS`
-    runs, because the load point then has no constant speeds.
+    that are no more significant are removed.  The removal may join runs that can be cut elsewhere.
+    ParameterError if there are more than `MAX_RUNS` runs, because the load point then has no
+    constant speeds.
     """
-    cuts, unfinished = [0, rows.at.size - 1], [(0, rows.at.size - 1)]
+    cuts = _improve_cuts(rows, _cut_runs(rows, [0, rows.at.size - 1]))
+    if rows.stride > 1:
+        # search again with all rows near the cuts as candidates
+        near = np.arange(-2 * rows.stride, 2 * rows.stride + 1)
+        places = rows.at[cuts]
+        candidates = np.unique(np.append(rows.at, (places[:, None] + near).ravel()))
+        rows.set_candidates(candidates[(candidates >= 0) & (candidates <= places[-1])])
+        cuts = _improve_cuts(rows, np.searchsorted(rows.at, places).tolist())
+    cuts = _remove_cuts(rows, cuts)
+    more = _cut_runs(rows, cuts)
+    return cuts if more == cuts else _remove_cuts(rows, _improve_cuts(rows, more))
+
+
+def _cut_runs(rows, cuts):
+    """Return the cuts and those that divide their runs further, as long as they are significant."""
+    cuts, unfinished = list(cuts), list(itertools.pairwise(cuts))
     while unfinished and len(cuts) <= MAX_RUNS:
         i, j = unfinished.pop(0)
         k, gain = rows.best_cut(i, j)
@@ -137,14 +154,11 @@ def find_cuts(rows):
         raise sentences.refusal(
             "segments.none", first=t, last=T, most=MAX_RUNS, tenth=t + (T - t) / 10
         )
-    cuts = _improve_cuts(rows, sorted(cuts))
-    if rows.stride > 1:
-        # search again with all rows near the cuts as candidates
-        near = np.arange(-2 * rows.stride, 2 * rows.stride + 1)
-        places = rows.at[cuts]
-        candidates = np.unique(np.append(rows.at, (places[:, None] + near).ravel()))
-        rows.set_candidates(candidates[(candidates >= 0) & (candidates <= places[-1])])
-        cuts = _improve_cuts(rows, np.searchsorted(rows.at, places).tolist())
+    return sorted(cuts)
+
+
+def _remove_cuts(rows, cuts):
+    """Remove the cuts that are not significant, the weakest first."""
     while len(cuts) > 2:
         m, remaining, gain = _weakest_cut(rows, cuts)
         if gain > MIN_GAIN:
