@@ -269,6 +269,36 @@ def test_louder_noise_in_a_part_of_the_record_makes_no_steps():
     np.testing.assert_allclose(found.t, [0, 200, 400], atol=0.1)
 
 
+def rounded_hold(seed, V, noise, digit=1e-7):
+    """Segments of a slide, a hold and a slide, rounded after noise [digits] is added."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.03, 220, 0.1)
+    x = history(t, [0, 60, 160], [V, 0.0, V]) + digit * (
+        rng.random() + noise * rng.normal(size=2200)
+    )
+    return segments_from_displacement(t, digit * np.round(x / digit))
+
+
+@pytest.mark.parametrize("noise", [0.1, 0.2])
+@pytest.mark.parametrize(("V", "digit"), [(1e-6, 1e-7), (1.3e-6, 1e-7), (2e-6, 1e-7), (1e-6, 5e-7)])
+def test_a_hold_in_few_digits(V, digit, noise):
+    """Rows that alternate between two digits are not steps; means keep the rounding."""
+    misses = []
+    for seed in range(10):
+        found = rounded_hold(seed, V, noise, digit)
+        np.testing.assert_allclose(found.V, [V, 0.0, V], rtol=1e-3)
+        misses += ((found.t[1:] - [60, 160]) / found.t_error[1:]).tolist()
+    assert 0.2 < np.std(misses) < 1.6
+    assert max(np.abs(misses)) < 5.0
+
+
+def test_noise_of_a_digit_averages_the_rounding():
+    """A line through n rows is known at its end to 4 s^2 / n, and the hold to s^2 / n."""
+    limit = 1e-7 * np.sqrt(13 / 12 * (4 / 600 + 1 / 1000)) / 1e-6
+    for seed in range(5):
+        assert rounded_hold(seed, 1e-6, 1.0).t_error[1:] == pytest.approx([limit] * 2, rel=0.25)
+
+
 def test_levels_of_a_recorded_velocity():
     t = np.arange(0, 100, 0.1)
     V = np.select([t < 30.05, t < 60.05], [1e-6, 0.0], 1e-5)

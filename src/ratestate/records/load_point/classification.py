@@ -55,11 +55,12 @@ def find_runs(t, x):
 
     ParameterError if there are no constant speeds.  Runs with V < 0 are returned.
     """
-    runs = _steps_and_jumps(RowSums(t, x))
+    digit = _rounding_step(x)
+    runs = _steps_and_jumps(RowSums(t, x, digit=digit))
     scatter, steps = _scatter_of(runs)
     # the noise may be too large because steps in quick succession looked like wandering
     if scatter > max(WANDER_RATIO * steps, MIN_SPEED_RATIO * np.ptp(x)):
-        short_runs = _steps_and_jumps(RowSums(t, x, longest=SHORT_ROWS))
+        short_runs = _steps_and_jumps(RowSums(t, x, longest=SHORT_ROWS, digit=digit))
         if MIN_IMPROVEMENT * _scatter_of(short_runs)[0] < scatter:
             runs = short_runs
     runs, holds = _mark_holds(runs)
@@ -198,20 +199,26 @@ def _scatter_of(runs):
 
 
 def _rounding_step(x):
-    """Return the power of 10 to which at least half of the values (n,) are rounded; 0 if none."""
-    x = np.abs(x[1:][np.diff(x) != 0.0])  # count the value of a load point at rest once
+    """Return the step between digits of at least half of the values (n,); 0 if none.
+
+    It is 1, 2 or 5 times a power of 10.
+    """
+    steps = np.abs(np.diff(x))
+    x, steps = np.abs(x[1:][steps > 0.0]), steps[steps > 0.0]  # a load point at rest counts once
     if not x.any():
         return 0.0
     largest = 10.0 ** np.floor(np.log10(x.max()))
-    for place in range(1, MAX_PLACES):
-        digit = largest / 10.0**place
-        if np.median(np.abs(x / digit - np.round(x / digit))) < GRID_TOLERANCE:
+    for place, multiple in itertools.product(range(1, MAX_PLACES), (5.0, 2.0, 1.0)):
+        digit = multiple * largest / 10.0**place
+        is_rounded = np.median(np.abs(x / digit - np.round(x / digit))) < GRID_TOLERANCE
+        if is_rounded and np.median(steps) > 0.5 * digit:
             return float(digit)
     return 0.0
 
 
 def _anomaly_notes(runs):
-    notes, t, x = [], runs[0].samples.t, runs[0].samples.x
+    notes, samples = [], runs[0].samples
+    t, x = samples.t, samples.x
     for run in runs:
         for first, _ in run.rows[1:]:
             if gap := jump_size(run.samples, first, run.V):
@@ -221,6 +228,6 @@ def _anomaly_notes(runs):
         if gap := jump_between(before, after):
             notes.append(sentences("notes.jump_at_step", gap=gap, t=t[after.first]))
     scatter, steps = _scatter_of(runs)
-    if scatter > max(WANDER_RATIO * steps, MIN_SPEED_RATIO * np.ptp(x), _rounding_step(x)):
+    if scatter > max(WANDER_RATIO * steps, MIN_SPEED_RATIO * np.ptp(x), samples.digit):
         notes.append(sentences("notes.wanders", scatter=scatter, steps=steps))
     return notes

@@ -16,7 +16,7 @@ from .classification import (
     leave_out_ramps,
     leave_out_transients,
 )
-from .runs import breakpoints, is_gap, noise_variances
+from .runs import breakpoints, is_gap, noise_variances, rounding_variances
 from .splits import RowSums, drop_weak_cuts, find_cuts
 
 #: the least-squares position of a jump by k standard deviations has a variance of this number
@@ -181,10 +181,12 @@ def segments_from_displacement(t, x):
             values = {"first": first, "last": last, "window": window, "option": option}
             raise sentences.refusal("segments.backwards", V=-run.V, **values)
     noise, (at, spans) = noise_variances(runs), breakpoints(runs)
+    offsets = rounding_variances(runs)
     variance = [0.0]  # of the starts
     for i, (tau, span) in enumerate(zip(at, spans, strict=True)):
         before, after = runs[i : i + 2]
         of_lines = noise[i] * before.x_variance(tau, -1) + noise[i + 1] * after.x_variance(tau, 0)
+        of_lines += offsets[i] + offsets[i + 1]
         # a step in a jump or a gap is uniformly distributed over the span
         variance.append(span**2 / 12.0 if span else of_lines / (before.V - after.V) ** 2)
         if span and is_gap(before, after):

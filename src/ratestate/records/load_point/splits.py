@@ -16,6 +16,7 @@ import numpy as np
 import scipy
 
 from ...model.arrays import running_sum
+from ..kit.sample_noise import OF_STEP
 from ..messages import load_point as sentences
 
 MAX_RUNS = 500
@@ -52,18 +53,19 @@ class RowSums:
     t, x : ndarray, shape (n,)
     degree : 1 to fit a line to each run (a displacement), 0 to fit a level (a speed)
     longest : most rows of the runs that the noise is estimated from; closer steps count as noise
+    digit : step between the values of x if they are rounded, in their unit; else 0
 
     `rates` (n,) is the number of each row's sampling rate, and `noise` (n,) the variance of its
     noise.  `gaps` (list) has the rows before which there is a gap in time.
     """
 
-    def __init__(self, t, x, degree=1, longest=10**9):
-        self.t, self.x, self.degree = t, x, degree
+    def __init__(self, t, x, degree=1, longest=10**9, digit=0.0):
+        self.t, self.x, self.degree, self.digit = t, x, degree, digit
         self.gaps = gaps_in(t)
         u = t - t.mean()
         # removing the overall line or mean saves significant digits
         y = x - (np.polyval(np.polyfit(u, x, 1), u) if degree else x.mean())
-        self.noise, self.rates = sampling_noise(t, y, degree, longest)
+        self.noise, self.rates = sampling_noise(t, y, degree, longest, (OF_STEP * digit) ** 2)
         columns = np.array([np.ones_like(u), u, u * u, y, u * y, y * y]) / self.noise
         self.all_sums = np.zeros((6, t.size + 1))
         self.all_sums[:, 1:] = running_sum(columns)
@@ -214,11 +216,12 @@ def drop_weak_cuts(rows, cuts, sizes, least):
         cuts = _improve_cuts(rows, cuts[:m] + cuts[m + 1 :], near=m)
 
 
-def sampling_noise(t, y, degree, longest):
+def sampling_noise(t, y, degree, longest, least):
     """Return the variance of the noise of y and the number of the sampling rate: (n,) each.
 
     degree : 1 to fit a line to each run (a displacement), 0 to fit a level (a speed)
     longest : most rows of the runs that the noise is estimated from
+    least : least variance
 
     Notes
     -----
@@ -252,7 +255,7 @@ def sampling_noise(t, y, degree, longest):
     known = [group.size >= MIN_PAIRS for group in grouped]
     levels = [np.median(group) for group, is_known in zip(grouped, known, strict=True) if is_known]
     noisiest = max(levels or [np.median(shortest) if shortest.size else 0.0])
-    least = max(MIN_VARIANCE_RATIO * noisiest, ROUNDING * float(y @ y), LEAST_VARIANCE)
+    least = max(least, MIN_VARIANCE_RATIO * noisiest, ROUNDING * float(y @ y), LEAST_VARIANCE)
     variances = np.full(len(grouped), max(noisiest, least))
     variances[known] = np.maximum(levels, least)
     growth, length = np.ones(len(grouped)), 2 * MIN_RUN_ROWS
