@@ -41,8 +41,9 @@ MIN_SPEED_RATIO = 1e-9
 #: least scatter about the lines of a wandering load point, as a multiple of the scatter from row to
 #: row
 WANDER_RATIO = 10.0
-#: most decimal places of a file; largest distance from a rounded value, in units of its last place
-MAX_PLACES, GRID_TOLERANCE = 9, 1e-3
+#: most decimal places of a file; largest distance from a rounded value, in units of its last place;
+#: least part of the values that are rounded
+MAX_PLACES, GRID_TOLERANCE, ROUNDED_PART = 9, 1e-3, 0.9
 #: rows of the runs that give the noise in a second search; least ratio of the first scatter to the
 #: second
 SHORT_ROWS, MIN_IMPROVEMENT = 16, 5.0
@@ -199,7 +200,7 @@ def _scatter_of(runs):
 
 
 def _rounding_step(x):
-    """Return the step between digits of at least half of the values (n,); 0 if none.
+    """Return the step between digits of nearly all values (n,); 0 if none.
 
     It is 1, 2 or 5 times a power of 10.
     """
@@ -210,8 +211,8 @@ def _rounding_step(x):
     largest = 10.0 ** np.floor(np.log10(x.max()))
     for place, multiple in itertools.product(range(1, MAX_PLACES), (5.0, 2.0, 1.0)):
         digit = multiple * largest / 10.0**place
-        is_rounded = np.median(np.abs(x / digit - np.round(x / digit))) < GRID_TOLERANCE
-        if is_rounded and np.median(steps) > 0.5 * digit:
+        is_rounded = np.abs(x / digit - np.round(x / digit)) < GRID_TOLERANCE
+        if is_rounded.mean() > ROUNDED_PART and np.median(steps) > 0.5 * digit:
             return float(digit)
     return 0.0
 
