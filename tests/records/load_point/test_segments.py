@@ -226,11 +226,77 @@ def test_a_short_ramp_of_speed_is_found_as_a_step():
     )
 
 
+def driven(seed, ramp):
+    """Times, recorded speed and displacement of a motor that needs this long to change its speed.
+
+    It slides at 3 um/s, holds for 10 s from 60.2 s on, slides, and slides faster from 130.2 s on.
+    """
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.1 * rng.random(), 170.0, 0.1)
+    edges = np.array([0, 60.2, 60.2, 70.2, 70.2, 130.2, 130.2, 170])
+    edges[1:-1] += np.tile([-0.5, 0.5], 3) * ramp
+    speeds = np.array([3, 3, 0, 0, 3, 3, 30, 30]) * 1e-6
+    V = np.interp(t, edges, speeds)
+    fine = np.linspace(0.0, 170.0, 170_001)
+    x = np.interp(
+        t, fine, np.append(0, np.cumsum(np.interp(fine[1:] - 5e-4, edges, speeds)) * 1e-3)
+    )
+    return t, V * (1 + 0.003 * rng.standard_normal(t.size)), x + white(3e-9, seed, t)
+
+
+@pytest.mark.parametrize("ramp", [0.4, 0.7])
+@pytest.mark.parametrize("seed", range(7))
+def test_a_ramp_beside_a_brief_hold_is_a_step(ramp, seed):
+    t, V, x = driven(seed, ramp)
+    for found in (segments_from_velocity(t, V), segments_from_displacement(t, x)):
+        np.testing.assert_allclose(found.V, [3e-6, 0, 3e-6, 3e-5], rtol=2e-3)
+        np.testing.assert_allclose(found.t[1:], [60.2, 70.2, 130.2], atol=0.015)
+        assert max(abs(found.t[1:] - [60.2, 70.2, 130.2]) / found.t_error[1:]) < 5.0
+        assert ["is taken as a step" in note for note in found.notes] == [True] * 3
+
+
+def test_a_slow_ramp_is_not_a_step():
+    """It lasts a tenth of the hold and displaces 4 um, or a third of the hold."""
+    t, V, x = driven(0, 4.0)
+    for found in (segments_from_velocity(t, V), segments_from_displacement(t, x)):
+        assert found.V.size > 7
+
+
 def test_louder_noise_in_a_part_of_the_record_makes_no_steps():
     t, rng = np.arange(0, 600, 0.1), np.random.default_rng(1)
     noise = 1e-7 * rng.standard_normal(t.size) * np.where((t > 250) & (t < 320), 10.0, 1.0)
     found = segments_from_displacement(t, history(t, [0, 200, 400], [1e-6, 1e-5, 1e-6]) + noise)
     np.testing.assert_allclose(found.t, [0, 200, 400], atol=0.1)
+
+
+def rounded_hold(seed, V, noise, digit=1e-7):
+    """Segments of a slide, a hold and a slide, rounded after noise [digits] is added."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.03, 220, 0.1)
+    x = history(t, [0, 60, 160], [V, 0.0, V]) + digit * (
+        rng.random() + noise * rng.normal(size=2200)
+    )
+    return segments_from_displacement(t, digit * np.round(x / digit))
+
+
+@pytest.mark.parametrize("noise", [0.1, 0.2])
+@pytest.mark.parametrize(("V", "digit"), [(1e-6, 1e-7), (1.3e-6, 1e-7), (2e-6, 1e-7), (1e-6, 5e-7)])
+def test_a_hold_in_few_digits(V, digit, noise):
+    """Rows that alternate between two digits are not steps; means keep the rounding."""
+    misses = []
+    for seed in range(10):
+        found = rounded_hold(seed, V, noise, digit)
+        np.testing.assert_allclose(found.V, [V, 0.0, V], rtol=1e-3)
+        misses += ((found.t[1:] - [60, 160]) / found.t_error[1:]).tolist()
+    assert 0.2 < np.std(misses) < 1.6
+    assert max(np.abs(misses)) < 5.0
+
+
+def test_noise_of_a_digit_averages_the_rounding():
+    """A line through n rows is known at its end to 4 s^2 / n, and the hold to s^2 / n."""
+    limit = 1e-7 * np.sqrt(13 / 12 * (4 / 600 + 1 / 1000)) / 1e-6
+    for seed in range(5):
+        assert rounded_hold(seed, 1e-6, 1.0).t_error[1:] == pytest.approx([limit] * 2, rel=0.25)
 
 
 def test_levels_of_a_recorded_velocity():

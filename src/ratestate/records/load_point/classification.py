@@ -29,15 +29,21 @@ HOLD_ERRORS, HOLD_SCATTER = 3.0, 1.5
 #: largest backward speed, or error of the speed, in a hold, as a fraction of the speed beside it:
 #: machines relax a little
 MAX_BACKWARD = 0.01
-#: longest ramp that counts as a step, as a fraction of the shorter run beside it
-MAX_RAMP = 0.05
+#: longest ramp that counts as a step, as a fraction of the shorter run beside it, in general and
+#: if the ramp displaces the load point by less than `MAX_TRANSIENT_SLIP`
+MAX_RAMP, MAX_RAMP_OF_SMALL_SLIP = 0.05, 0.2
+#: largest deviation of the displacement by a transient that counts as a part of a step, as a
+#: fraction of the displacement at either speed.  If an experiment slides 10 Dc at each speed, this
+#: is 5 % of Dc.
+MAX_TRANSIENT_SLIP = 0.005
 #: lowest nonzero speed, as a fraction of the largest; below it, rounding in a hold
 MIN_SPEED_RATIO = 1e-9
 #: least scatter about the lines of a wandering load point, as a multiple of the scatter from row to
 #: row
 WANDER_RATIO = 10.0
-#: most decimal places of a file; largest distance from a rounded value, in units of its last place
-MAX_PLACES, GRID_TOLERANCE = 9, 1e-3
+#: most decimal places of a file; largest distance from a rounded value, in units of its last place;
+#: least part of the values that are rounded
+MAX_PLACES, GRID_TOLERANCE, ROUNDED_PART = 9, 1e-3, 0.9
 #: rows of the runs that give the noise in a second search; least ratio of the first scatter to the
 #: second
 SHORT_ROWS, MIN_IMPROVEMENT = 16, 5.0
@@ -50,11 +56,12 @@ def find_runs(t, x):
 
     ParameterError if there are no constant speeds.  Runs with V < 0 are returned.
     """
-    runs = _steps_and_jumps(RowSums(t, x))
+    digit = _rounding_step(x)
+    runs = _steps_and_jumps(RowSums(t, x, digit=digit))
     scatter, steps = _scatter_of(runs)
     # the noise may be too large because steps in quick succession looked like wandering
     if scatter > max(WANDER_RATIO * steps, MIN_SPEED_RATIO * np.ptp(x)):
-        short_runs = _steps_and_jumps(RowSums(t, x, longest=SHORT_ROWS))
+        short_runs = _steps_and_jumps(RowSums(t, x, longest=SHORT_ROWS, digit=digit))
         if MIN_IMPROVEMENT * _scatter_of(short_runs)[0] < scatter:
             runs = short_runs
     runs, holds = _mark_holds(runs)
@@ -139,20 +146,47 @@ def _mark_holds(runs):
 
 
 def _remove_ramps(runs):
-    """Remove short runs of monotonic speeds between two others; return runs and notes."""
-    notes, m = [], 1
-    while m < len(runs) - 1:
-        for last in range(len(runs) - 1, m, -1):
-            span = runs[m - 1 : last + 1]
-            changes = np.diff([run.V for run in span])
-            ramp = span[-1].start - span[0].end
-            shorter = min(run.end - run.start for run in (span[0], span[-1]))
-            if ramp < MAX_RAMP * shorter and ((changes > 0.0).all() or (changes < 0.0).all()):
-                notes.append(sentences("notes.ramp", ramp=ramp, first=span[0].t[span[0].last]))
-                del runs[m:last]
-                break
-        m += 1
-    return refine_breakpoints(runs), notes
+    kept, notes = leave_out_ramps(*np.transpose([(run.V, run.start, run.end) for run in runs]))
+    return refine_breakpoints([runs[k] for k in kept]), notes
+
+
+def leave_out_ramps(V, start, end):
+    """Return the indices (list) of the runs that are not part of a ramp, and notes.
+
+    V, start, end : (n,) speed [m/s], and times [s] of the first and the last row of each run
+
+    A ramp is a sequence of short runs of monotonic speeds between two longer ones.
+    """
+
+    def is_ramp(before, after):
+        span, ends = V[before : after + 1], [before, after]
+        changes, ramp = np.diff(span), start[after] - end[before]
+        shorter = (end - start)[ends].min()
+        if not (changes * changes[0] > 0.0).all() or ramp >= MAX_RAMP_OF_SMALL_SLIP * shorter:
+            return False
+        slips = abs(V * (end - start))[ends]
+        nearer = np.minimum(abs(span - span[0]), abs(span - span[-1]))[1:-1]
+        deviation = nearer @ np.diff(start[before + 1 : after + 1])
+        allowed = MAX_TRANSIENT_SLIP * slips[slips > 0.0].min(initial=np.inf)
+        return bool(ramp < MAX_RAMP * shorter or deviation <= allowed)
+
+    kept = leave_out_transients(len(V), is_ramp)
+    ramps = [(i, j) for i, j in itertools.pairwise(kept) if j > i + 1]
+    return kept, [sentences("notes.ramp", ramp=start[j] - end[i], first=end[i]) for i, j in ramps]
+
+
+def leave_out_transients(runs, is_transient):
+    """Return the indices (list) of the runs that are not transients; the longest count first.
+
+    runs : number of runs
+    is_transient : function of two indices that returns whether all runs between them are transients
+    """
+    kept = [0]
+    while kept[-1] < runs - 1:
+        others = range(runs - 1, kept[-1] + 1, -1)
+        after = (k for k in others if is_transient(kept[-1], k))
+        kept.append(next(after, kept[-1] + 1))
+    return kept
 
 
 def _scatter_of(runs):
@@ -166,20 +200,26 @@ def _scatter_of(runs):
 
 
 def _rounding_step(x):
-    """Return the power of 10 to which at least half of the values (n,) are rounded; 0 if none."""
-    x = np.abs(x[1:][np.diff(x) != 0.0])  # count the value of a load point at rest once
+    """Return the step between digits of nearly all values (n,); 0 if none.
+
+    It is 1, 2 or 5 times a power of 10.
+    """
+    steps = np.abs(np.diff(x))
+    x, steps = np.abs(x[1:][steps > 0.0]), steps[steps > 0.0]  # a load point at rest counts once
     if not x.any():
         return 0.0
     largest = 10.0 ** np.floor(np.log10(x.max()))
-    for place in range(1, MAX_PLACES):
-        digit = largest / 10.0**place
-        if np.median(np.abs(x / digit - np.round(x / digit))) < GRID_TOLERANCE:
+    for place, multiple in itertools.product(range(1, MAX_PLACES), (5.0, 2.0, 1.0)):
+        digit = multiple * largest / 10.0**place
+        is_rounded = np.abs(x / digit - np.round(x / digit)) < GRID_TOLERANCE
+        if is_rounded.mean() > ROUNDED_PART and np.median(steps) > 0.5 * digit:
             return float(digit)
     return 0.0
 
 
 def _anomaly_notes(runs):
-    notes, t, x = [], runs[0].samples.t, runs[0].samples.x
+    notes, samples = [], runs[0].samples
+    t, x = samples.t, samples.x
     for run in runs:
         for first, _ in run.rows[1:]:
             if gap := jump_size(run.samples, first, run.V):
@@ -189,6 +229,6 @@ def _anomaly_notes(runs):
         if gap := jump_between(before, after):
             notes.append(sentences("notes.jump_at_step", gap=gap, t=t[after.first]))
     scatter, steps = _scatter_of(runs)
-    if scatter > max(WANDER_RATIO * steps, MIN_SPEED_RATIO * np.ptp(x), _rounding_step(x)):
+    if scatter > max(WANDER_RATIO * steps, MIN_SPEED_RATIO * np.ptp(x), samples.digit):
         notes.append(sentences("notes.wanders", scatter=scatter, steps=steps))
     return notes

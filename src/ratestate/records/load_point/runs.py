@@ -5,11 +5,13 @@ import math
 
 import numpy as np
 
+from ..kit.sample_noise import OF_STEP
 from .splits import GAP_ROWS
 
 MAX_ROUNDS = 50  # rounds of moving rows from one line to the next
 MIN_RATE_ROWS = 400  # fewest rows at a sampling rate from which its correlation is estimated
 JUMP_SIGMAS = 4.0  # least jump, as a multiple of the standard deviation of the rows beside it
+ROUNDING_TERMS = 10  # terms of the Fourier series of an error of rounding
 
 
 class SpeedRun:
@@ -158,6 +160,34 @@ def noise_variances(runs):
     parts = [unit[of_all == rate] for rate in range(of_all.max() + 1)]
     factors = np.array([_correlation_factor(p if p.size >= MIN_RATE_ROWS else unit) for p in parts])
     return [level * factors[of_run].mean() for level, of_run in zip(levels, rates, strict=True)]
+
+
+def rounding_variances(runs):
+    """Return the variance [m^2] of the offset of each run due to the rounding of its rows.
+
+    Notes
+    -----
+    The error of rounding is a Fourier series in the displacement between two digits.  Noise before
+    the rounding reduces its terms, and so does the mean over rows at different places between two
+    digits.  In a hold, all rows have the same error.
+    """
+    digit = runs[0].samples.digit
+    if digit == 0.0:
+        return [0.0] * len(runs)
+    places, noises = [], []
+    for run in runs:
+        residuals = run.whitened_residuals() * np.sqrt(run.select_rows(run.samples.noise))
+        places.append((run.select_rows(run.samples.x) - residuals) / digit)
+        noises.append(float(residuals.var()) / digit**2)
+    k = 2.0 * np.pi * np.arange(1, ROUNDING_TERMS + 1)
+    variances = []
+    for place, noise in zip(places, noises, strict=True):
+        # rows that alternate between two digits do not show their noise, but other runs may
+        before_rounding = max(0.0, (noise if noise > 0.25 else min(noises)) - OF_STEP**2)
+        means = np.array([abs(np.exp(1j * factor * place).mean()) for factor in k])
+        terms = 2.0 * means**2 * np.exp(-before_rounding * k**2) / k**2
+        variances.append(digit**2 * float(terms.sum()))
+    return variances
 
 
 def _correlation_factor(unit):

@@ -7,8 +7,16 @@ import numpy as np
 
 from ...model.quantities import readable, readable_change
 from ..messages import load_point as sentences
-from .classification import HOLD_ERRORS, MIN_SPEED_RATIO, MIN_STEP, find_runs
-from .runs import breakpoints, is_gap, noise_variances
+from .classification import (
+    HOLD_ERRORS,
+    MAX_TRANSIENT_SLIP,
+    MIN_SPEED_RATIO,
+    MIN_STEP,
+    find_runs,
+    leave_out_ramps,
+    leave_out_transients,
+)
+from .runs import breakpoints, is_gap, noise_variances, rounding_variances
 from .splits import RowSums, drop_weak_cuts, find_cuts
 
 #: the least-squares position of a jump by k standard deviations has a variance of this number
@@ -20,9 +28,6 @@ TIME_ROUNDING = 1e-14
 MAX_OVERSHOOT_TIME = 0.05
 #: largest deviation from the speed after the step, as a fraction of the change of speed
 MAX_OVERSHOOT_SPEED = 0.5
-#: largest deviation of the displacement, as a fraction of the displacement at either speed.  If an
-#: experiment slides 10 Dc at each speed, this is 5 % of Dc.
-MAX_OVERSHOOT_SLIP = 0.005
 
 
 class Segments(NamedTuple):
@@ -57,12 +62,10 @@ class Segments(NamedTuple):
     @property
     def steady(self):
         """Indices (list) of the segments that are not overshoots."""
-        kept, durations = [0], self.ends - self.t
-        while kept[-1] < self.V.size - 1:
-            others = range(self.V.size - 1, kept[-1] + 1, -1)
-            after = (k for k in others if _overshoots(self.V, durations, kept[-1], k))
-            kept.append(next(after, kept[-1] + 1))
-        return kept
+        durations = self.ends - self.t
+        return leave_out_transients(
+            self.V.size, lambda before, after: _overshoots(self.V, durations, before, after)
+        )
 
     def without_overshoots(self):
         """Return the steady segments; a step begins when its overshoot begins."""
@@ -178,10 +181,12 @@ def segments_from_displacement(t, x):
             values = {"first": first, "last": last, "window": window, "option": option}
             raise sentences.refusal("segments.backwards", V=-run.V, **values)
     noise, (at, spans) = noise_variances(runs), breakpoints(runs)
+    offsets = rounding_variances(runs)
     variance = [0.0]  # of the starts
     for i, (tau, span) in enumerate(zip(at, spans, strict=True)):
         before, after = runs[i : i + 2]
         of_lines = noise[i] * before.x_variance(tau, -1) + noise[i + 1] * after.x_variance(tau, 0)
+        of_lines += offsets[i] + offsets[i + 1]
         # a step in a jump or a gap is uniformly distributed over the span
         variance.append(span**2 / 12.0 if span else of_lines / (before.V - after.V) ** 2)
         if span and is_gap(before, after):
@@ -201,8 +206,9 @@ def segments_from_displacement(t, x):
 
 
 def segments_from_velocity(t, V):
-    """Return the `Segments` of recorded speeds [m/s]; steps lie midway between two rows.
+    """Return the `Segments` of recorded speeds [m/s].
 
+    A step lies midway between two rows.  In a ramp, it lies where it keeps the displacement.
     ParameterError as for `find_segments`.
     """
     t, V = _check_arrays(t, V, "V_load")
@@ -227,17 +233,24 @@ def segments_from_velocity(t, V):
     if means.min() < 0.0:
         i = int(np.argmin(means))
         raise sentences.refusal("segments.negative", V=means[i], first=t[at[i]])
-    edges = np.array(at[1:-1], int)
-    before, after = t[edges - 1], t[edges]
-    relative = np.sqrt(
-        1.0 / 12.0 + POSITION_FACTOR * (rows.noise[edges] / np.diff(means) ** 2) ** 2
-    )
+    kept, notes = leave_out_ramps(means, t[at[:-1]], t[np.array(at[1:]) - 1])
+    middles = np.concatenate([t[:1], 0.5 * (t[1:] + t[:-1]), t[-1:]])[at]
+    x = np.append(0.0, np.cumsum(means * np.diff(middles)))
+    # a change of speed extends from `first` to `last`; the step keeps the displacement after it
+    first, last = np.array(kept[:-1], int) + 1, np.array(kept[1:], int)
+    V, change = means[kept], np.diff(means[kept])
+    delay = (V[1:] * (middles[last] - middles[first]) - (x[last] - x[first])) / change
+    first_row, last_row = np.array(at)[first], np.array(at)[last]
+    interval = np.maximum(t[first_row] - t[first_row - 1], t[last_row] - t[last_row - 1])
+    noise = np.maximum(rows.noise[first_row], rows.noise[last_row]) / change**2
+    relative = np.sqrt(1.0 / 12.0 + (last_row - first_row) * noise + POSITION_FACTOR * noise**2)
     return Segments(
-        np.append(t[0], 0.5 * (before + after)),
-        means,
+        np.append(t[0], middles[first] + delay),
+        V,
         float(t[-1]),
-        np.append(0.0, (after - before) * relative),
-        np.where(means == 0.0, 0.0, errors),
+        np.append(0.0, interval * relative),
+        np.where(V == 0.0, 0.0, errors[kept]),
+        notes,
     )
 
 
@@ -271,5 +284,5 @@ def _overshoots(V, durations, before, after):
     return bool(
         durations[inner].sum() <= MAX_OVERSHOOT_TIME * durations[ends].min()
         and jumps.max() <= MAX_OVERSHOOT_SPEED * abs(V[after] - V[before])
-        and jumps @ durations[inner] <= MAX_OVERSHOOT_SLIP * slips[slips > 0.0].min(initial=np.inf)
+        and jumps @ durations[inner] <= MAX_TRANSIENT_SLIP * slips[slips > 0.0].min(initial=np.inf)
     )

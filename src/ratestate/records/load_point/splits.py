@@ -10,11 +10,13 @@ over its sampling interval leaves less noise at a lower rate.
 """
 
 import functools
+import itertools
 
 import numpy as np
 import scipy
 
 from ...model.arrays import running_sum
+from ..kit.sample_noise import OF_STEP
 from ..messages import load_point as sentences
 
 MAX_RUNS = 500
@@ -51,18 +53,19 @@ class RowSums:
     t, x : ndarray, shape (n,)
     degree : 1 to fit a line to each run (a displacement), 0 to fit a level (a speed)
     longest : most rows of the runs that the noise is estimated from; closer steps count as noise
+    digit : step between the values of x if they are rounded, in their unit; else 0
 
     `rates` (n,) is the number of each row's sampling rate, and `noise` (n,) the variance of its
     noise.  `gaps` (list) has the rows before which there is a gap in time.
     """
 
-    def __init__(self, t, x, degree=1, longest=10**9):
-        self.t, self.x, self.degree = t, x, degree
+    def __init__(self, t, x, degree=1, longest=10**9, digit=0.0):
+        self.t, self.x, self.degree, self.digit = t, x, degree, digit
         self.gaps = gaps_in(t)
         u = t - t.mean()
         # removing the overall line or mean saves significant digits
         y = x - (np.polyval(np.polyfit(u, x, 1), u) if degree else x.mean())
-        self.noise, self.rates = sampling_noise(t, y, degree, longest)
+        self.noise, self.rates = sampling_noise(t, y, degree, longest, (OF_STEP * digit) ** 2)
         columns = np.array([np.ones_like(u), u, u * u, y, u * y, y * y]) / self.noise
         self.all_sums = np.zeros((6, t.size + 1))
         self.all_sums[:, 1:] = running_sum(columns)
@@ -122,10 +125,26 @@ def find_cuts(rows):
 
     Each run is cut at the row that reduces the misfit most, as long as the reduction is
     significant.  Then the cuts are moved between their neighbours until none improves, and cuts
-    that are no more significant are removed.  ParameterError if there are more than `MAX_RUNS`
-    runs, because the load point then has no constant speeds.
+    that are no more significant are removed.  The removal may join runs that can be cut elsewhere.
+    ParameterError if there are more than `MAX_RUNS` runs, because the load point then has no
+    constant speeds.
     """
-    cuts, unfinished = [0, rows.at.size - 1], [(0, rows.at.size - 1)]
+    cuts = _improve_cuts(rows, _cut_runs(rows, [0, rows.at.size - 1]))
+    if rows.stride > 1:
+        # search again with all rows near the cuts as candidates
+        near = np.arange(-2 * rows.stride, 2 * rows.stride + 1)
+        places = rows.at[cuts]
+        candidates = np.unique(np.append(rows.at, (places[:, None] + near).ravel()))
+        rows.set_candidates(candidates[(candidates >= 0) & (candidates <= places[-1])])
+        cuts = _improve_cuts(rows, np.searchsorted(rows.at, places).tolist())
+    cuts = _remove_cuts(rows, cuts)
+    more = _cut_runs(rows, cuts)
+    return cuts if more == cuts else _remove_cuts(rows, _improve_cuts(rows, more))
+
+
+def _cut_runs(rows, cuts):
+    """Return the cuts and those that divide their runs further, as long as they are significant."""
+    cuts, unfinished = list(cuts), list(itertools.pairwise(cuts))
     while unfinished and len(cuts) <= MAX_RUNS:
         i, j = unfinished.pop(0)
         k, gain = rows.best_cut(i, j)
@@ -137,14 +156,11 @@ def find_cuts(rows):
         raise sentences.refusal(
             "segments.none", first=t, last=T, most=MAX_RUNS, tenth=t + (T - t) / 10
         )
-    cuts = _improve_cuts(rows, sorted(cuts))
-    if rows.stride > 1:
-        # search again with all rows near the cuts as candidates
-        near = np.arange(-2 * rows.stride, 2 * rows.stride + 1)
-        places = rows.at[cuts]
-        candidates = np.unique(np.append(rows.at, (places[:, None] + near).ravel()))
-        rows.set_candidates(candidates[(candidates >= 0) & (candidates <= places[-1])])
-        cuts = _improve_cuts(rows, np.searchsorted(rows.at, places).tolist())
+    return sorted(cuts)
+
+
+def _remove_cuts(rows, cuts):
+    """Remove the cuts that are not significant, the weakest first."""
     while len(cuts) > 2:
         m, remaining, gain = _weakest_cut(rows, cuts)
         if gain > MIN_GAIN:
@@ -200,11 +216,12 @@ def drop_weak_cuts(rows, cuts, sizes, least):
         cuts = _improve_cuts(rows, cuts[:m] + cuts[m + 1 :], near=m)
 
 
-def sampling_noise(t, y, degree, longest):
+def sampling_noise(t, y, degree, longest, least):
     """Return the variance of the noise of y and the number of the sampling rate: (n,) each.
 
     degree : 1 to fit a line to each run (a displacement), 0 to fit a level (a speed)
     longest : most rows of the runs that the noise is estimated from
+    least : least variance
 
     Notes
     -----
@@ -238,7 +255,7 @@ def sampling_noise(t, y, degree, longest):
     known = [group.size >= MIN_PAIRS for group in grouped]
     levels = [np.median(group) for group, is_known in zip(grouped, known, strict=True) if is_known]
     noisiest = max(levels or [np.median(shortest) if shortest.size else 0.0])
-    least = max(MIN_VARIANCE_RATIO * noisiest, ROUNDING * float(y @ y), LEAST_VARIANCE)
+    least = max(least, MIN_VARIANCE_RATIO * noisiest, ROUNDING * float(y @ y), LEAST_VARIANCE)
     variances = np.full(len(grouped), max(noisiest, least))
     variances[known] = np.maximum(levels, least)
     growth, length = np.ones(len(grouped)), 2 * MIN_RUN_ROWS
