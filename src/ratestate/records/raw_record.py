@@ -137,17 +137,18 @@ def displacement_of(data, time):
     return None
 
 
-def loading_of(raw, loading=None, sigma=None):
+def loading_of(raw, loading=None, sigma=None, segments=None):
     """Return the `Loading` of a record, with t = 0 at the first sample: as given or as recorded.
 
     sigma : normal stress of the slider [Pa]; with it, a recorded normal stress that varies is added
+    segments : the `recorded_segments`, if they are known
 
     ParameterError if no motion is recorded, the record begins at rest, or the given loading has
     several cases, is too short, or differs from the recorded displacement by more than
     `MAX_DIFFERENCE`.
     """
     if loading is None:
-        segments, start = recorded_segments(raw.data, raw.time), float(raw.time[0])
+        segments, start = segments or recorded_segments(raw.data, raw.time), float(raw.time[0])
         if not segments.V[0] > 0.0:
             raise sentences.refusal("load_point.rests", start=start)
         pairs = zip((segments.t[1:] - start).tolist(), segments.V[1:].tolist(), strict=True)

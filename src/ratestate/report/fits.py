@@ -10,6 +10,7 @@ from ..dynamics.recipe import attribute_text, from_json
 from ..model.quantities import QUANTITIES, readable, rounded, short, with_error
 from ..records.fitting.by_law import (
     checked_by_law,
+    clearly_worse,
     error_of,
     has_steps,
     law_names,
@@ -56,6 +57,7 @@ def report_on_fit(result: xarray.Dataset) -> Report:
     if has_steps(result):
         return Report([*steps.blocks(result), *notes], steps.warnings_on_steps(result))
     source = attribute_text(result, "source", "")
+    worse = clearly_worse(result)
     title = f"Fit of {source + ': ' if source else ''}{result.sizes['time']:,} samples, "
     found = attribute_text(result, "found", "")  # what the load point did
     below = [
@@ -63,13 +65,23 @@ def report_on_fit(result: xarray.Dataset) -> Report:
         *_kinds_of_intervals(laws),
         attribute_text(result, "comparison", ""),
         *(f"{law} law: {part['identifiability'].item()}" for law, part in laws.items()),
+        *(
+            f"{law} law, which fits clearly worse: {text}"
+            for law in worse
+            for text in warnings_of(laws[law])
+        ),
     ]
     texts = [text for text in below if text and not text.endswith("law: ")]
     quality = _features(laws) if "chi2" in result else _statistics(laws)
     heading = [Title(title + law_names(laws)), *filter(None, [found])]
     return Report(
         [*heading, _table(laws), "", *quality, *texts, *notes],
-        [f"warning: {law} law: {text}" for law, part in laws.items() for text in warnings_of(part)],
+        [
+            f"warning: {law} law: {text}"
+            for law, part in laws.items()
+            for text in warnings_of(part)
+            if law not in worse
+        ],
     )
 
 

@@ -334,6 +334,15 @@ def test_text_on_laws_that_do_not_fit(laws, none, apart, words):
     assert "better" not in text
 
 
+@pytest.mark.parametrize(("red", "of_all"), [([0.0, 1e-3], False), ([1e-3, 0.0], True)])
+def test_correlated_residuals_are_of_the_law_that_has_them(red, of_all):
+    aic = xarray.DataArray([0.0, 30.0], {"law": ["slip", "aging"]}, "law")
+    result = xarray.Dataset({"noise_red": ("law", red)}, aic.coords)
+    text = with_comparison(result, aic, True).comparison
+    assert ("perhaps none of the laws fits" in text) == of_all
+    assert ("Residuals under the aging law are correlated" in text) != of_all
+
+
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 @pytest.mark.parametrize(("noise", "fits"), [(2e-4, True), (5e-5, False)])
 def test_laws_with_residuals_above_the_noise_do_not_fit(good, noise, fits):
@@ -526,7 +535,7 @@ def test_bounds_of_the_search():
     t = np.linspace(0.0, 100.0, 201)
     loading = rs.Loading.steps("1 um/s", (50.0, "10 um/s"))  # 550 um in all
     friction = np.where(t < 50.0, 0.6, 0.6 + 0.01 * np.log(10.0))
-    found = Samples(t, friction, t, None, loading, "tau", t)
+    found = Samples(t, friction, t, None, loading, "tau", t, np.zeros(1))
     unknowns = unknowns_of(found, SLIDER, ("a", "b", "Dc", "K", "M", "lag"), start=True)
     K = 2e7 * 0.01 * np.log(10.0) / 55e-6
     ends = {

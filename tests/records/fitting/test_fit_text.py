@@ -51,7 +51,12 @@ def test_the_summary_has_a_row_for_each_quantity(both):
         )
     for part in (both.attrs["comparison"], *both.identifiability.values, "M = 4800 kg/m^2"):
         assert part in " ".join(text.split())
-    assert text.count("warning: aging law: ") == len(str(both.warnings[1].item()).splitlines())
+    warnings = str(both.warnings[1].item()).splitlines()
+    assert text.count("aging law, which fits clearly worse: ") == len(warnings)
+    assert "warning:" not in text
+    warned = str(rs.summary(both.assign(warnings=("law", ["first", "second"]))))
+    assert "warning: slip law: first" in warned
+    assert "warning: aging" not in warned
     assert max(map(len, text.splitlines())) < 120
     assert not re.search(r"\d\n +(%|um|s)\b", text)
 

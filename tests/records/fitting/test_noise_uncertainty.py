@@ -11,6 +11,7 @@ from ratestate.records.fitting.noise_uncertainty import (
     _quantile,
     likely_noise,
 )
+from ratestate.records.fitting.problem import SamplesProblem
 from ratestate.records.fitting.quantities import GAUSSIAN
 from ratestate.records.kit.noise import Noise, RestrictedLikelihood, estimated_noise
 
@@ -26,8 +27,10 @@ def fitted(noise):
     white, _ = shape.whiten(T, np.column_stack([noise, JACOBIAN]))
     covariance = np.linalg.inv(white[:, 1:].T @ white[:, 1:])
     point = covariance @ (white[:, 1:].T @ white[:, 0])
+    problem = SamplesProblem.__new__(SamplesProblem)
+    problem.t = T
     solution = SimpleNamespace(
-        problem=SimpleNamespace(record=SimpleNamespace(t=T)),
+        problem=problem,
         residual=noise - JACOBIAN @ point,
         jacobian=JACOBIAN,
         root=np.linalg.cholesky(covariance),

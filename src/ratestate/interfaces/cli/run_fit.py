@@ -15,7 +15,7 @@ from ...friction.laws import friction_law
 from ...model.names import Sentences
 from ...model.quantities import readable
 from ...model.slider import SpringSlider
-from ...records.fitting.by_law import has_steps, law_names
+from ...records.fitting.by_law import clearly_worse, has_steps, law_names
 from ...records.fitting.fit import fit
 from ...records.fitting.settings import sliders_under
 from ...records.fitting.unknowns import checked_free
@@ -67,6 +67,8 @@ class FitRequest(NamedTuple):
 def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool:
     """Fit, print and write the files into the folder, if any; whether the answer carries warnings.
 
+    Warnings on laws that fit clearly worse than another do not count.
+
     ParameterError as of `read_lab` and `fit`, and: a report.md there that is none of these; no
     normal stress; a, b, Dc, K or a parameter of the law neither given nor free.
     """
@@ -107,7 +109,9 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
         print_json(document(result, None))
     else:
         print_report(result)
-    return bool((result["warnings"] != "").any())
+    worse = clearly_worse(result)
+    kept = result["warnings"] if not worse else result["warnings"].drop_sel(law=worse)
+    return bool((kept != "").any())
 
 
 def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:

@@ -13,6 +13,8 @@ from ..messages import fitting as sentences
 
 #: relative step of finite differences
 STEP = 1e-5
+#: difference of ln(likelihood) or ln(evidence) above which one law fits clearly worse
+CLEAR = 5.0
 #: variables that every result of `fit` has
 NEEDED = ("law", "parameter", "standard_error", "interval", "friction", "time")
 
@@ -52,6 +54,14 @@ def checked_by_law(result, caller):
 def warnings_of(part):
     """Return the warnings (list of str) of one law's part."""
     return str(part["warnings"].item()).splitlines()
+
+
+def clearly_worse(result):
+    """Return the laws (list of str) of a fit without steps that fit clearly worse than another."""
+    if "aic_difference" not in result or has_steps(result):
+        return []
+    is_worse = (result["aic_difference"] > 2.0 * CLEAR).values
+    return result["law"].values[is_worse].astype(str).tolist()
 
 
 def value_of(part, symbol):

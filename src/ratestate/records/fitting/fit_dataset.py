@@ -8,14 +8,14 @@ from ...friction.laws import friction_law
 from ...model.quantities import attrs
 from ..kit import labelled
 from ..messages import fitting as sentences
+from .by_law import CLEAR, law_names
 from .checks import diagnose, is_misfit, without_trend
 from .posterior import prior_text
 from .quantities import LEVELS, ROOTS, SIDES
 from .unknowns import DERIVED, free_under, start_names
 
-#: differences of ln(likelihood) or ln(evidence): below the first they decide nothing, above the
-#: second they are clear
-UNDECIDED, CLEAR = 1.5, 5.0
+#: difference of ln(likelihood) or ln(evidence) below which the laws are undecided
+UNDECIDED = 1.5
 
 
 def datasets_of(inferences, laws, data):
@@ -106,12 +106,22 @@ def with_comparison(result, criterion, fits):
             second = float(new["log_bayes_factor_error"].sel(law=ranked["other"]))
             which = "undecided" if ranked["difference"] < UNDECIDED + second else "decided"
             texts.append(sentences(f"evidence.{which}", **ranked, error=second))
-    if texts and np.any(result.get("noise_red", 0.0) > 0.0):
-        texts.append(sentences("likelihood.correlated"))
+    if texts and "noise_red" in result:
+        is_red = (result["noise_red"] > 0.0).any([d for d in criterion.dims if d != "law"])
+        red, best = result["law"].values[is_red.values].tolist(), _best(criterion)
+        if red:
+            which = "correlated" if best in red else "others_correlated"
+            texts.append(sentences(f"likelihood.{which}", laws=law_names(red)))
     result = result.assign(
         {name: x.transpose(*criterion.dims).assign_attrs(attrs(name)) for name, x in new.items()}
     )
     return result.assign_attrs(comparison=" ".join(texts)) if texts else result
+
+
+def _best(criterion):
+    """Return the law with the least criterion, summed over steps."""
+    total = criterion.sum([d for d in criterion.dims if d != "law"])
+    return total["law"].values[int(total.argmin("law"))]
 
 
 def _ranked(values, laws):

@@ -95,11 +95,13 @@ def infer_quantities(solution, quantities, noise, with_profiles=True, all_profil
 def _noise_and_widening(solution, quantities, noise):
     """Return the `LikelyNoise`, and the `Widening` of `ReportedQuantity`s by it.
 
-    There is no widening if the noise is given, nor at a bound.  There chi-square has a slope, so
-    that to first order another noise would move the estimate, and an end of its interval, beyond.
+    There is no widening if the noise is given or is rounding, nor at a bound.  There chi-square has
+    a slope, so that to first order another noise would move the estimate, and an end of its
+    interval, beyond.
     """
     none, likely = Widening.none(len(quantities)), None
-    if noise is not None or (likely := likely_noise(solution)) is None:
+    is_known = noise is not None or solution.noise_is_rounding
+    if is_known or (likely := likely_noise(solution)) is None:
         return None, none
     widening = likely.widening(np.array([q.gradient(solution.point) for q in quantities]))
     at_bound = np.array([q.name in solution.at_bound for q in quantities])

@@ -95,9 +95,9 @@ class LikelyNoise(NamedTuple):
 
 def likely_noise(solution):
     """Return the `LikelyNoise` of a `Solution`; None if no shape is possible."""
-    likelihood = RestrictedLikelihood(
-        solution.problem.record.t, solution.residual, solution.jacobian
-    )
+    problem, residual = solution.problem, solution.residual
+    more = problem.systematic, solution.noise.level
+    likelihood = RestrictedLikelihood(problem.t, residual, solution.jacobian, *more)
     estimates, weight = likely_estimates(likelihood, solution.noise, solution.peaks)
     return LikelyNoise(solution, estimates, weight) if estimates else None
 

@@ -90,7 +90,8 @@ def log_likelihood(
     names = [name for name in free if name != "mu0"]
     samples, slider = solution.problem.record, solution.problem.slider
     unknowns = unknowns_of(samples, slider, names, start=False)
-    return LogLikelihood(SamplesProblem(samples, slider, unknowns), solution.noise)
+    problem = SamplesProblem(samples, slider, unknowns, solution.problem.systematic)
+    return LogLikelihood(problem, solution.noise)
 
 
 class LogLikelihood:
@@ -130,7 +131,7 @@ class LogLikelihood:
             return NO_MOTION, np.zeros(count + count * count)
         lines = [regressor[0] for regressor in regressors.values()]
         columns = np.column_stack([record.friction - friction[0], *lines])
-        white, log_determinant = self.noise.whiten(record.t, columns)
+        white, log_determinant = self.problem.whiten(columns, self.noise)
         products = white.T @ white
         # covariance of level and trend given the rest, as root @ root.T
         root = np.linalg.inv(np.linalg.cholesky(products[1:, 1:])).T

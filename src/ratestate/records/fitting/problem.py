@@ -14,7 +14,7 @@ from ..kit.least_squares import minimum
 from ..kit.noise import Noise
 from ..load_point.stress_steps import VARIABLE
 from ..messages import fitting as sentences
-from ..raw_record import loading_of, raw_record
+from ..raw_record import loading_of, raw_record, recorded_segments
 from .forward import Forward
 from .unknowns import distinct, parameter, sizes_of, to_coordinate
 
@@ -42,6 +42,7 @@ class Samples(NamedTuple):
     loading: Loading
     kind: str  # of friction: "tau" is tau/sigma of the spring, "mu" that of the interface
     time: np.ndarray  # (m,) recorded time [s]
+    step_errors: np.ndarray  # standard errors [s] of `loading.t[1:]`; 0 in a given loading
 
     def regressors(self, along=None):
         """Return name -> derivative of friction by each of its linear parameters.
@@ -87,14 +88,16 @@ def samples_of(data, slider, *, loading, trend, against):
     if not np.ptp(raw.friction) > 1e-9 * np.abs(raw.friction).max():
         first = raw.friction[0]
         raise sentences.refusal("record.constant", friction=first, samples=raw.friction.size)
-    loading = loading_of(raw, loading, slider.sigma)
+    segments = recorded_segments(raw.data, raw.time) if loading is None else None
+    loading = loading_of(raw, loading, slider.sigma, segments)
+    step_errors = segments.t_error[1:] if segments else np.zeros(loading.t.size - 1)
     t, order = raw.t, np.arange(raw.t.size)
     if against == "displacement":
         t, order = _times_at_displacements(raw.displacement, loading, t)
     _check_steps(loading, t)
     along = t if trend == "time" else np.asarray(loading.delta_lp(t))
     friction, time = raw.friction[order], raw.time[order]
-    return Samples(t, friction, along, trend, loading, raw.kind, time)
+    return Samples(t, friction, along, trend, loading, raw.kind, time, step_errors)
 
 
 def change_times(loading):
@@ -149,6 +152,8 @@ class LeastSquares:
     most, enough = 200, 0.0
     #: whether an interval is open if another coordinate has reached its bound
     is_open_at_bounds = False
+    #: (m, r) systematic errors (systematic.py) at the estimate, or None
+    systematic: np.ndarray | None = None
 
     def __init__(self, slider, forward, unknowns, t, observed):
         self.slider, self.forward, self.unknowns = slider, forward, unknowns
@@ -163,9 +168,19 @@ class LeastSquares:
         friction, jacobian = self.forward.jacobian(point)
         return np.column_stack([friction - self.observed, np.nan_to_num(jacobian)])
 
+    def whiten(self, columns, noise):
+        """Whiten columns (m, k) by noise and systematic errors; return ln det(cov) too."""
+        if self.systematic is None:
+            return noise.whiten(self.t, columns)
+        k = self.systematic.shape[1]
+        white, log_determinant = noise.whiten(self.t, np.column_stack([self.systematic, columns]))
+        basis, size, _ = np.linalg.svd(white[:, :k], full_matrices=False)
+        part = (1.0 - 1.0 / np.sqrt(1.0 + size**2))[:, None] * (basis.T @ white[:, k:])
+        return white[:, k:] - basis @ part, log_determinant + float(np.log1p(size**2).sum())
+
     def whitened(self, point, noise):
         """Return whitened difference (m,) and jacobian (m, k); NaN, 0 without a motion."""
-        white, _ = noise.whiten(self.t, self.linearised(point))
+        white, _ = self.whiten(self.linearised(point), noise)
         return white[:, 0], white[:, 1:]
 
 
@@ -175,13 +190,13 @@ class SamplesProblem(LeastSquares):
     slider : gives the law, and the parameters that are not free
     """
 
-    def __init__(self, record, slider, unknowns):
+    def __init__(self, record, slider, unknowns, systematic=None):
         forward = Forward(record, slider, unknowns.names)
         super().__init__(slider, forward, unknowns, record.t, record.friction)
-        self.record = record
+        self.record, self.systematic = record, systematic
 
     def __reduce__(self):  # forward.moving_law, made at run time, cannot be pickled
-        return SamplesProblem, (self.record, self.slider, self.unknowns)
+        return SamplesProblem, (self.record, self.slider, self.unknowns, self.systematic)
 
     def distances(self):
         """Return coordinates (list of int) of free distances, by the slider's values."""

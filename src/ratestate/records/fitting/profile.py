@@ -203,7 +203,7 @@ def penalized_fit(solution, quantity, value, step, starts):
     _, low, high = problem.unknowns
     starts = np.clip(starts, low, high)
     if len(starts) > 1:
-        white, _ = solution.noise.whiten(problem.t, problem.difference(starts).T)
+        white, _ = problem.whiten(problem.difference(starts).T, solution.noise)
         costs = np.sum(white**2, axis=0) + (weight * (quantity.values(starts) - value)) ** 2
         starts = starts[np.argsort(costs)]  # NaN last
     enough = max(ENOUGH, problem.enough)
@@ -262,7 +262,7 @@ def are_gaussian(solution, quantities):
     is_valid &= np.isfinite(residuals).all(axis=1)
     residuals[~is_valid] = 0.0
     columns = np.column_stack([residuals.T, solution.jacobian])
-    white, _ = solution.noise.whiten(problem.t, columns)
+    white, _ = problem.whiten(columns, solution.noise)
     whitened, jacobian = white[:, : len(points)], white[:, len(points) :]
     slopes = jacobian.T @ whitened
     # leave out the part of the gain that would move the quantity itself

@@ -22,6 +22,7 @@ from .problem import (
     search,
     starting_points,
 )
+from .systematic import least_noise, systematic_errors
 from .unknowns import Unknowns, free_under, start_names, unknowns_of
 
 #: most starts of the least squares, and most rounds of noise and fit
@@ -78,6 +79,11 @@ class Solution(NamedTuple):
     def residual(self):
         """Recorded less fitted friction (m,)."""
         return self.problem.observed - self.fitted_friction
+
+    @property
+    def noise_is_rounding(self):
+        """Whether the white noise has the least size, which follows from the digits of friction."""
+        return 0.0 < self.noise.white == least_noise(self.problem.record)
 
     @property
     def sides(self):
@@ -174,14 +180,17 @@ def solution_from(problem, point, noise):
     before = problem.forward.evaluations
     result, peaks, is_first = _checked_search(problem, point, current), None, True
     columns = problem.linearised(result.x)
-    for _ in range(ROUNDS if noise is None else 0):
-        likelihood = RestrictedLikelihood(t, columns[:, 0], columns[:, 1:])
-        current, peaks = estimated_noise(likelihood, current)
-        # the error of the march counts as noise: a simulated record may have no other
-        current = current._replace(
-            white=float(np.hypot(current.white, FLOOR * problem.record.scale))
-        )
-        if current.red == 0.0 and is_first:
+    for _ in range(ROUNDS):
+        if noise is None:
+            more = problem.systematic, current.level
+            likelihood = RestrictedLikelihood(t, columns[:, 0], columns[:, 1:], *more)
+            current, peaks = estimated_noise(likelihood, current)
+            # the error of the march counts as noise: a simulated record may have no other
+            white = float(np.hypot(current.white, FLOOR * problem.record.scale))
+            current = current._replace(white=max(white, least_noise(problem.record)))
+        fitted = columns[:, 0] + problem.observed
+        problem.systematic = systematic_errors(problem, result.x, fitted, current)
+        if problem.systematic is None and (noise is not None or (current.red == 0.0 and is_first)):
             break  # all weights change by one factor, so the minimum does not move
         last, peaks, is_first = result.x, None, False
         result = _checked_search(problem, last, current)
@@ -189,7 +198,7 @@ def solution_from(problem, point, noise):
         error = np.linalg.norm(root_of_covariance(result.jacobian), axis=1)
         if (np.abs(result.x - last) <= CONVERGED * error).all():
             break
-    white, log_determinant = current.whiten(t, columns)
+    white, log_determinant = problem.whiten(columns, current)
     chi2 = float(white[:, 0] @ white[:, 0])
     constant = t.size * np.log(2.0 * np.pi)
     return Solution(
@@ -273,7 +282,7 @@ def response(solution):
 
 def project_out(solution, columns, count):
     """Return the first columns (m, count), whitened, without the others' span."""
-    white, _ = solution.noise.whiten(solution.problem.record.t, columns)
+    white, _ = solution.problem.whiten(columns, solution.noise)
     basis, _ = np.linalg.qr(white[:, count:])
     return white[:, :count] - basis @ (basis.T @ white[:, :count])
 

@@ -16,6 +16,7 @@ from ..kit.noise import RestrictedLikelihood
 from .forward import Forward
 from .noise_uncertainty import likely_estimates
 from .problem import change_times
+from .solutions import chi2_gain
 
 #: distances over which added friction changes, as multiples of the law's longest distance
 LENGTHS = (0.1, 0.25, 0.6, 1.5, 4.0, 10.0, 25.0)
@@ -35,8 +36,9 @@ def transients_p_value(solution, D):
     D : distance [m] over which friction evolves
 
     The probability is a mean over likely shapes of the noise, which is estimated even if it was
-    given.  It is 1 if the residuals are negligible.  It is NaN if nothing could be tested: without
-    steps, without a motion under any added friction, or without a possible noise.
+    given, unless the noise is rounding.  It is 1 if the residuals are negligible.  It is NaN if
+    nothing could be tested: without steps, without a motion under any added friction, or without a
+    possible noise.
     """
     record = solution.problem.record
     if np.sqrt(np.mean(solution.residual**2)) < FINE * record.scale:
@@ -45,7 +47,10 @@ def transients_p_value(solution, D):
     jacobian, count = np.column_stack([added, solution.jacobian]), added.shape[1]
     if not count:
         return np.nan
-    likelihood = RestrictedLikelihood(record.t, solution.residual, jacobian)
+    if solution.noise_is_rounding:
+        return float(scipy.special.chdtrc(count, chi2_gain(solution, added)[0]))
+    more = solution.problem.systematic, solution.noise.level
+    likelihood = RestrictedLikelihood(record.t, solution.residual, jacobian, *more)
     estimates, weight = likely_estimates(likelihood)
     if not estimates:
         return np.nan

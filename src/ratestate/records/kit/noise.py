@@ -114,23 +114,29 @@ class RestrictedLikelihood:
 
     jacobian : (m, k) derivatives of the fitted curve by the coordinates.  A coordinate whose column
         is 0, because the record does not depend on it, has zero shift and covariance.
+    systematic : (m, r) systematic errors (fitting/systematic.py), or None
+    level : approximate standard deviation of the noise, if there are systematic errors
     """
 
-    def __init__(self, t, residual, jacobian):
+    def __init__(self, t, residual, jacobian, systematic=None, level=1.0):
         self.size, dt = jacobian.shape[1], np.diff(t)
         self.seen = np.flatnonzero(jacobian.any(axis=0))
         self.scale = np.abs(jacobian[:, self.seen]).max(axis=0)
-        columns = np.column_stack([jacobian[:, self.seen] / self.scale, residual])
+        systematic = np.zeros((residual.size, 0)) if systematic is None else systematic
+        #: of the unit normal prior of systematic errors, relative to the noise
+        self.prior = np.repeat([0.0, level**2, 0.0], [self.seen.size, systematic.shape[1], 1])
+        columns = np.column_stack([jacobian[:, self.seen] / self.scale, systematic, residual])
         self.degrees, self._whitened = residual.size - self.seen.size, Whitening(dt, columns)
         #: median time between samples, and length of the record [s]
         self.spacing, self.length = float(np.median(dt)), float(t[-1] - t[0])
 
     def at(self, shape=WHITE):
         """Return the `Conditional` for a `Noise` of this shape and any variance."""
-        parts, count = shape.relaxations(self.spacing), self.seen.size + 1
+        parts, count = shape.relaxations(self.spacing), self.prior.size
         white, log_determinant = self._whitened(shape.white**2, *parts)
         try:
-            factor = np.linalg.cholesky((white.T @ white)[:count, :count])
+            products = (white.T @ white)[:count, :count] + np.diag(self.prior)
+            factor = np.linalg.cholesky(products)
         except np.linalg.LinAlgError:  # no residual, or a combination without any effect
             factor = np.zeros((1, 1))
         if self.degrees < 1 or not factor[-1, -1] > 0.0:
@@ -141,17 +147,18 @@ class RestrictedLikelihood:
         return Conditional(-minus, shape.times(deviation), factor / deviation)
 
     def shift_and_root(self, factor):
-        """Return changes (k,) of the estimates, and R (k, k) with R R^T their covariance.
+        """Return changes (k,) of the estimates, and R (k, k + r) with R R^T their covariance.
 
         The changes are by generalized least squares, to first order.
 
         factor : of `Conditional`
         """
-        shift, root = np.zeros(self.size), np.zeros((self.size, self.size))
+        k, seen = self.size, self.seen.size
+        shift, root = np.zeros(k), np.zeros((k, k + self.prior.size - seen - 1))
         if factor is not None:
-            inverse = np.linalg.inv(factor[:-1, :-1]).T / self.scale[:, None]
+            inverse = np.linalg.inv(factor[:-1, :-1]).T[:seen] / self.scale[:, None]
             shift[self.seen] = inverse @ factor[-1, :-1]
-            root[np.ix_(self.seen, self.seen)] = inverse
+            root[np.ix_(self.seen, [*self.seen, *range(k, root.shape[1])])] = inverse
         return shift, root
 
 

@@ -12,6 +12,8 @@ OF_MEDIAN, OF_SECOND = 1.4826, 6**0.5
 OF_STEP = 12**-0.5
 #: largest relative rounding error of floating-point numbers
 ROUNDING = 1e-12
+#: largest deviation of a rounded value from a multiple of the step, in steps
+OFF = 0.05
 #: least significant correlation in standard errors; largest correlation
 KNOWN, MOST_CORRELATED = 3.0, 0.95
 
@@ -61,6 +63,15 @@ def resolution(values):
     """
     steps = np.diff(np.unique(values))
     return float(min(steps[steps > ROUNDING * np.abs(values).max()], default=0.0))
+
+
+def digit_of(values):
+    """Return the step between digits of values (n,), or 0 if they are not multiples of a step."""
+    step = resolution(values)
+    if step == 0.0:
+        return 0.0
+    counts = (values - values.min()) / step
+    return step if (np.abs(counts - counts.round()) < OFF).all() else 0.0
 
 
 def rounding(values):

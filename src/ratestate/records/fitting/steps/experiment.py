@@ -258,7 +258,7 @@ def _with_held_errors(inference, held, covariance):
     if not np.isfinite(jacobian).all():  # no motion close to the held values
         errors[i], intervals[i] = np.inf, (least, np.inf)
     else:
-        white, _ = solution.noise.whiten(problem.record.t, jacobian)
+        white, _ = problem.whiten(jacobian, solution.noise)
         by_held = np.linalg.lstsq(white[:, len(held) :], white[:, : len(held)])[0]
         slopes = by_held[names.index("alpha")]
         errors[i] = np.sqrt(errors[i] ** 2 + slopes @ covariance @ slopes)

@@ -115,8 +115,8 @@ def _triangle(step, own, values):
     columns = np.column_stack([jacobian[:, order], friction - problem.record.friction])
     if not np.isfinite(columns).all():
         return np.full((point.size + 1, point.size + 1), np.nan)
-    noise = step.solution.noise.times(math.sqrt(step.inflation.factor))
-    return np.linalg.qr(noise.whiten(problem.record.t, columns)[0], mode="r")
+    white, _ = problem.whiten(columns, step.solution.noise)
+    return np.linalg.qr(white / math.sqrt(step.inflation.factor), mode="r")
 
 
 def shared_fit(steps):
