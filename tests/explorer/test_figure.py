@@ -70,15 +70,15 @@ class TestCurves:
         assert np.allclose(spring.get_ydata(), run.tau / state.slider.sigma, rtol=1e-15)
         assert np.array_equal(friction.get_ydata(), run.mu)
         slip = by_label(speed)["slip"]
-        assert np.allclose(slip.get_ydata(), 1e3 * run.V, rtol=1e-15)  # the axis is in mm/s
-        assert "mm/s" in speed.get_ylabel()
+        assert np.allclose(slip.get_ydata(), 1e6 * run.V, rtol=1e-15)  # in the unit of V_lp
+        assert "\N{GREEK SMALL LETTER MU}m/s" in speed.get_ylabel()
         lines = by_label(phase)
         assert np.array_equal(lines["run"].get_xdata(), spring.get_ydata())
         cycle = rs.limit_cycle(state.slider, state.V_lp)
         largest = lines["limit cycle"].get_ydata().max()
-        assert largest == pytest.approx(1e3 * float(cycle.V_max), rel=1e-4)
-        (x,), (y,) = lines["steady at the last $V_{lp}$"].get_data()
-        assert y == 1e3 * state.V_lp
+        assert largest == pytest.approx(1e6 * float(cycle.V_max), rel=1e-4)
+        (x,), (y,) = lines["steady at $V_{lp}$"].get_data()
+        assert y == pytest.approx(1e6 * state.V_lp)
         steady = state.slider.steady_stress(state.V_lp)
         assert x == pytest.approx(steady, rel=1e-12)
 

@@ -184,6 +184,7 @@ def test_units_of_labels():
     assert plot.value_text("K", np.inf) == r"$K$ = $\infty$"
     assert plot.value_text("K", 900e6) == "$K$ = 900 MPa/m"
     assert plot.value_text("K", 0.96e9, unit_of=1e9) == "$K$ = 0.96 GPa/m"
+    assert plot.value_text("sigma", 8e6, area=25e-4) == "$F_n$ = 20 kN"
     assert plot.value_text("a", 0.003) == "$a$ = 0.003"
 
 

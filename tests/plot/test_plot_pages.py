@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.image import imread
 
 import ratestate as rs
 from ratestate import ParameterError, plot
@@ -487,3 +488,12 @@ def test_pictures_are_the_same_bytes_each_time(ending, magic, tmp_path):
     assert first[:4] == magic
     assert first == second
     assert len([*tmp_path.iterdir()]) == 2
+
+
+def test_labels_of_a_figure_without_layout_are_not_cut_off(tmp_path):
+    sizes = []
+    for label in ("", "label"):
+        fig = Figure(figsize=(2, 2))
+        fig.add_axes((0.0, 0.0, 1.0, 1.0)).set(ylabel=label)
+        sizes.append(imread(plot.save(fig, tmp_path / "a.png")).shape)
+    assert sizes[1][1] > sizes[0][1]

@@ -73,6 +73,20 @@ def test_estimates_along_the_experiment_are_where_they_were_made(result, page):
         assert low < x.min() < x.max() < high < 1.3 * x.max()
 
 
+def test_holds_at_one_speed_are_drawn_against_hold_time(result):
+    speed = 1e-5 * (1.0 + 1e-5 * result.step)
+    holds = result.assign(
+        V_after=speed, kind=("step", ["hold"] * 4), t_hold=("step", [3.0, 30.0, 300.0, 1000.0])
+    )
+    fig = plot.figure(holds)
+    (ax,) = [ax for ax in labelled(fig, "D_c") if "Hold time [s]" in ax.get_xlabel()]
+    x = np.concatenate([container.lines[0].get_xdata() for container in ax.containers])
+    assert sorted(set(x)) == [3.0, 30.0, 300.0, 1000.0]
+    mixed = plot.figure(holds.assign(kind=("step", [*["hold"] * 3, "step"])))
+    assert len(labelled(mixed, "Number of the step")) == 2
+    assert any(ax.get_title() == "step 4: hold 1000 s" for ax in fig.axes)
+
+
 def test_markers_of_laws_are_beside_each_other(page):
     (ax,) = labelled(page, "D_c")
     shifts = {

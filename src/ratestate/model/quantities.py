@@ -1,6 +1,7 @@
 """The quantities of quantities.toml, the units of units.toml, and values as text."""
 
 import math
+import re
 import tomllib
 from decimal import Decimal
 from pathlib import Path
@@ -23,6 +24,8 @@ POWERS = {unit: tuple(row["powers"]) for unit, row in _UNITS.items() if "powers"
 PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -2: "c", -3: "m", -6: "u", -9: "n"}
 #: name of a long time -> seconds
 LONG_TIMES = {"years": 365.25 * 86400.0, "days": 86400.0, "hours": 3600.0}
+#: numbers from 10 to a million in exponential form: 1e+03 is shown as 1000
+_SHORT_POWER = re.compile(r"\d(\.\d+)?e\+0[1-5]\b")
 
 
 class Quantity(NamedTuple):
@@ -169,6 +172,8 @@ def readable(symbol, value, digits=4):
     --------
     >>> readable("V_lp", 0.0032)
     '3.2 mm/s'
+    >>> readable("t", 1004.0, 3)
+    '1000 s'
     """
     return readable_together(symbol, f"{{:.{digits}g}}", value)
 
@@ -187,6 +192,7 @@ def readable_together(symbol, form, *values):
     unit, size = QUANTITIES[symbol].unit, max(map(abs, values))
     power = power_of(unit, size) if math.isfinite(size) else 0
     text = form.format(*(value / 10.0**power for value in values))
+    text = _SHORT_POWER.sub(lambda found: f"{float(found[0]):.0f}", text)
     return text if unit == "1" else f"{text} {prefixed_unit(unit, power)}"
 
 

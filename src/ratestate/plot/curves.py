@@ -20,6 +20,8 @@ NORMAL_95 = 1.96
 MARKED = 40
 #: parts of the height and width that names of speeds, and a letter of them, take
 ROOM, LETTER = 0.14, 0.011
+#: origin of the abscissa of a whole record
+SINCE_START = " since the record's start"
 #: the samples of a record that is drawn whole; of others single samples are to be seen
 ALL_ROWS = slice(None)
 
@@ -64,7 +66,7 @@ class FittedRecord(NamedTuple):
 
     def format_panel(self, ax, rows):
         """Give these samples' panel its label and limits."""
-        origin_text = " since the record's start" if rows == ALL_ROWS else ""
+        origin_text = SINCE_START if rows == ALL_ROWS else ""
         ax.set(xlabel=f"{ABSCISSAE[self.x]}{origin_text} [{self.unit}]")
         ax.set(xlim=self.values[rows][[0, -1]])
 
@@ -107,12 +109,16 @@ def _segments(result):
 
 
 def curves(record, ax, rows=ALL_ROWS):
-    """Draw the record, the fitted curve of each law, and where 95 % of samples are predicted."""
+    """Draw the record, the fitted curve of each law, and the band that 95 % of samples are in.
+
+    Only the law with the smallest residuals has a band: a wider one would fill the panel.
+    """
     shown, friction = record.values[rows], record.friction[rows]
+    with_band = law_with_band(record.laws)
     scatter(ax, shown, friction, rows, "0.55", "recorded")
     ends = [friction.min(), friction.max()]
     for law, part in record.laws.items():
-        if "band" in part:
+        if law == with_band:
             low, high = part["band"].transpose("side", "time").values[:, rows]
             ax.fill_between(shown, low, high, color=LAWS[law].color, alpha=0.14, lw=0.0, zorder=2)
         fitted = part["friction_fit"].values[rows]
@@ -125,17 +131,20 @@ def curves(record, ax, rows=ALL_ROWS):
     record.format_panel(ax, rows)
 
 
-def residuals(record, law, ax, rows=ALL_ROWS):
-    """Draw recorded less fitted friction, in thousandths, and the 95 % of the noise's level.
+def law_with_band(laws):
+    """Return the law with the smallest residuals; None if the result has no bands."""
+    known = [law for law, part in laws.items() if "band" in part]
+    return min(known, key=lambda law: float(laws[law]["rms"]), default=None)
 
-    The scale is the same for all laws.
-    """
+
+def residuals(record, law, ax, rows=ALL_ROWS):
+    """Draw recorded less fitted friction, in thousandths, and the 95 % of the noise's level."""
     part = record.laws[law]
     level = float(np.hypot(part["noise_white"], part["noise_red"]))
     residual = 1e3 * part["residual"].values
     scatter(ax, record.values[rows], residual[rows], rows, LAWS[law].color, None)
     normal_95(ax, 1e3 * level, zorder=3)
-    limit = 1e3 * 1.08 * max(float(np.abs(fit["residual"]).max()) for fit in record.laws.values())
+    limit = 1.08 * float(np.abs(residual).max())
     ax.set(ylim=(-limit, limit), ylabel="Residual\n" + r"[$10^{-3}$]")
     record.format_panel(ax, rows)
 

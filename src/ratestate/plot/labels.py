@@ -77,6 +77,7 @@ LETTERS = {
     "area": "A",
     "damping": r"\mathrm{damping}",
     "alpha": r"\alpha",
+    "normal_force": "F_n",
     "force_amplitude": "F_{pp}",
     "displacement_amplitude": r"\delta_{pp}",
     "acceleration_max": r"|\dot{V}|_{\max}",
@@ -138,10 +139,10 @@ def fitting_unit(symbol, values, area=None):
 def scaled(symbol, largest):
     """What values of a quantity, up to this one [SI], are multiplied by, and the unit with that.
 
-    As `prefixed`; small pure numbers, such as a and b, are in thousandths.
+    As `prefixed`; mu0 and small pure numbers, such as a and b, are in thousandths.
     """
     unit = QUANTITIES[symbol].unit
-    if unit == "1" and abs(largest) < SMALL:
+    if unit == "1" and (symbol == "mu0" or abs(largest) < SMALL):
         return 1e3, "$10^{-3}$"
     return prefixed(unit, largest)
 
@@ -164,7 +165,7 @@ def label(symbol):
 
 def _letters(symbol):
     """A symbol as mathematics; what follows an underscore, and digits at the end, are lowered."""
-    symbol = WHOLE_CONTACT.get(symbol, symbol)
+    symbol = symbol if symbol in LETTERS else WHOLE_CONTACT.get(symbol, symbol)
     if symbol in LETTERS:
         return LETTERS[symbol]
     head = symbol.rstrip("0123456789")
@@ -173,12 +174,17 @@ def _letters(symbol):
     return f"{letter}_{{{index}}}" if len(index) > 1 or index.isdigit() else symbol
 
 
+def label_of_contact(symbol, area):
+    """Return `label`, or F_n for the normal stress of a contact whose area is known."""
+    return label("normal_force" if symbol == "sigma" and area is not None else symbol)
+
+
 def name_and_symbol(symbol, area=None):
     """A quantity by its name and symbol, for an axis; KeyError if it is not in `QUANTITIES`.
 
     area : as for `fitting_unit`
     """
-    return f"{shown_name(symbol, area).capitalize()} {label(symbol)}"
+    return f"{shown_name(symbol, area).capitalize()} {label_of_contact(symbol, area)}"
 
 
 def in_unit(text, unit):
@@ -206,7 +212,7 @@ def value_text(symbol, value, unit_of=None, area=None):
     str
         Text such as ``$V_{lp}$ = 3.2 mm/s``.  Infinity is written as its symbol.
     """
-    return f"{label(symbol)} = {with_unit(symbol, value, unit_of, area)}"
+    return f"{label_of_contact(symbol, area)} = {with_unit(symbol, value, unit_of, area)}"
 
 
 def with_unit(symbol, value, unit_of=None, area=None):

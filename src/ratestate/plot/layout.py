@@ -184,7 +184,8 @@ def save(fig, path):
     Parameters
     ----------
     fig : matplotlib.figure.Figure
-        Figure to write.
+        Figure to write.  If it has no layout, such as ``layout="constrained"``, the file is as
+        large as the figure with all its labels.
     path : str or Path
         File, whose name ends in .png (300 dpi) or .pdf.  An existing file is replaced.
 
@@ -199,5 +200,9 @@ def save(fig, path):
         If the file cannot be written.  An existing file stays as it was.
     """
     path = Path(path)
-    form = {"dpi": DPI} if path.suffix.lower() == ".png" else {"metadata": {"CreationDate": None}}
+    form: Any = (
+        {"dpi": DPI} if path.suffix.lower() == ".png" else {"metadata": {"CreationDate": None}}
+    )
+    if fig.get_layout_engine() is None:
+        form["bbox_inches"] = "tight"
     return replace(path, lambda partial: fig.savefig(partial, **form))

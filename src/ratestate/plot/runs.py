@@ -13,7 +13,7 @@ from ..errors import ParameterError
 from ..model.conversion import in_si
 from ..model.slider_parameters import OPTIONAL
 from .axis import axis_of
-from .labels import GRAY, LAWS, RED, STRESS, prefixed, value_text
+from .labels import GRAY, LAWS, RED, STRESS, label, prefixed, value_text
 from .layout import ABOVE, is_wide, shades, show_constant
 
 THIN = {"lw": 0.8}
@@ -164,12 +164,17 @@ def speed(runs, ax):
 
 
 def _speed_axis(runs, ax):
-    """An axis for the speeds, logarithmic if that pays; the factor from SI to its unit."""
+    """An axis for the speeds, logarithmic if that pays; the factor from SI to its unit.
+
+    A logarithmic axis has the unit of the last load-point velocity.
+    """
     V = np.concatenate([named.run.V.values for named in runs])
-    factor, unit = prefixed("m/s", float(np.nanmax(V)))
-    ax.set_ylabel(f"$V$ [{unit}]")
+    typical = np.nanmax(V)
     if is_wide(V):
         ax.set_yscale("log")
+        typical = max(float(named.run.V_load[-1]) for named in runs) or typical
+    factor, unit = prefixed("m/s", float(typical))
+    ax.set_ylabel(f"$V$ [{unit}]")
     return factor
 
 
@@ -213,7 +218,9 @@ def plane(runs, ax, *, named=False):
     if crosses:
         x, y = np.array(sorted(crosses)).T
         cross = {"color": RED, "ms": 6, "mew": 1.3, "zorder": 5}
-        ax.plot(x, y, "x", label="steady at the last $V_{lp}$", **cross)
+        changes = any((run.V_load != run.V_load[-1]).any() for run, *_ in runs)
+        name = f"steady at {'the last ' if changes else ''}{label('V_lp')}"
+        ax.plot(x, y, "x", label=name, **cross)
         low, high = min(low, *x), max(high, *x)
     margin = 0.05 * (high - low)
     ax.set(xlim=(low - margin, high + margin), xlabel=STRESS)

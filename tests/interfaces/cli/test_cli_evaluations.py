@@ -167,3 +167,14 @@ def test_the_page_shows_each_hold(healed):
         np.testing.assert_allclose(predicted, 1e3 * healed[f"{name}_predicted"][0])
         (container,) = ax.containers
         np.testing.assert_allclose(container.lines[0].get_ydata(), 1e3 * healed[name])
+
+
+def test_the_legends_of_healing_have_units_and_unused_holds(healed):
+    status = healed.hold_status.copy(data=[0, 5, 0, 0])
+    rates = {"beta": 9.57e-4, "beta_error": 3.29e-4, "beta_scatter": 10.7}
+    record, healing, _ = plot.figure(healed.assign(hold_status=status, **rates)).axes
+    names = [text.get_text() for text in record.get_legend().get_texts()]
+    assert names[:2] == ["hold", "hold, not evaluated"]
+    rate = healing.get_legend().get_texts()[0].get_text()
+    assert "= (0.96 \N{PLUS-MINUS SIGN} 0.33)" in rate
+    assert "per decade\npoints scatter by 11 times" in rate

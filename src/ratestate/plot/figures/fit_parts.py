@@ -10,6 +10,7 @@ from ...model.quantities import QUANTITIES, short
 from ...records.fitting.by_law import law_names, results_by_law
 from ...records.fitting.unknowns import DERIVED, TRENDS, parameter
 from ...report.fits import STABLE_AT_ANY_K, estimated_symbols, estimates, name_of
+from ..curves import law_with_band
 from ..labels import GRAY, LAWS, in_unit, label, mathematics, scaled
 from ..layout import ABOVE, figure, letters, text_width
 
@@ -62,12 +63,11 @@ def finished(result, parts, first):
     write_estimates(result, parts[-1].subplots())
 
 
-def legend(ax, laws, *, band=True, narrow=False):
+def legend(ax, laws, *, narrow=False):
     """What the lines are, above the record; in two rows if a narrow panel has no room for one."""
     handles, names = ax.get_legend_handles_labels()
-    if band:
-        color = LAWS[next(iter(laws))].color if len(laws) == 1 else "0.5"
-        handles.append(Patch(color=color, alpha=0.3, lw=0.0))
+    if law := law_with_band(laws):
+        handles.append(Patch(color=LAWS[law].color, alpha=0.3, lw=0.0))
         names.append("95 % of samples")
     look = {"fontsize": 7, "handlelength": 1.2, "handletextpad": 0.4, "columnspacing": 0.7}
     rows = 2 if narrow and sum(map(len, names)) > ROOM else 1

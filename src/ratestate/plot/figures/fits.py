@@ -5,7 +5,7 @@ import numpy as np
 from ...errors import ParameterError
 from ...model.conversion import in_si
 from ...records.fitting.by_law import checked_by_law, has_steps, law_of, value_of
-from ..curves import ALL_ROWS, curves, marks, normal_95, record_of, residuals
+from ..curves import ALL_ROWS, SINCE_START, curves, marks, normal_95, record_of, residuals
 from ..labels import LAWS
 from ..layout import letters, styled
 from .fit_parts import finished, legend, titled_figure
@@ -30,17 +30,19 @@ HEIGHTS = [1.5, 1.9]  # inches
 
 @styled
 def fit(result, ax=None, *, x=None):
-    """Draw a fit: the record, and the fitted curves with their 95 % bands.
+    """Draw a fit: the record, and the fitted curves with a 95 % band.
 
     Without `ax` it is a whole figure, which also has the residuals, close-ups of the first steps,
-    and a table of the estimates.
+    and a table of the estimates.  Axes that are given get their labels and a legend.  Friction is a
+    pure number, and the abscissa has a unit that fits, such as mm.  Under several laws only the law
+    with the smallest residuals has a band.
 
     Parameters
     ----------
     result : xarray.Dataset
         From `fit`, under one law or several.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into.
+        Axes to draw into.  In a figure with ``layout="constrained"`` its labels have room.
     x : {"delta_lp", "time"}, optional
         Abscissa: load-point displacement [m] or time [s], counted from the first sample of the
         record.  The default is displacement, or time if the load point rests.
@@ -68,7 +70,8 @@ def fit(result, ax=None, *, x=None):
     record = record_of(result, x)
     curves(record, ax)
     marks(record, ax)
-    ax.legend()
+    legend(ax, record.laws, narrow=True)
+    ax.set_xlabel(ax.get_xlabel().replace(SINCE_START, ""))  # axes of a paper are narrow
     return ax.figure
 
 
@@ -96,12 +99,13 @@ def fit_figure(result, x=None):
                 marks(record, panel)
                 column.append(panel)
         _share(column, named=name == "record" or len(column) == 1)
-    legend(axes["record"], laws, narrow=len(close) == 1)
+    legend(axes["record"], record.laws, narrow=len(close) == 1)
     for law in laws:
         panel = axes[f"{law} record"]
         at = {"transform": panel.transAxes, "va": "top", "fontsize": 7, "color": LAWS[law].color}
         box = {"fc": "w", "ec": "none", "pad": 0.5, "alpha": 0.8}
-        panel.text(0.01, 0.93, f"{law} law", fontweight="bold", bbox=box, **at)
+        text = f"{law} law, r.m.s. {1e3 * float(record.laws[law]['rms']):.2g}"
+        panel.text(0.01, 0.93, text, fontweight="bold", bbox=box, **at)
     texts = ["", *(name.rpartition(" (")[0] for name in close)]
     letters([axes[name] for name in views], *texts)
     finished(result, below, "abcde"[len(views)])
@@ -162,7 +166,7 @@ def cycles_figure(result):
     fig, (top, *below) = titled_figure(result, laws, sum(HEIGHTS))
     axes = top.subplot_mosaic([["a", "a"], ["b", "c"]], height_ratios=HEIGHTS)
     curves(record, axes["a"])
-    legend(axes["a"], laws, band=False)
+    legend(axes["a"], laws)
     period = max(float(part["fitted"].sel(feature="period")[-1]) for part in laws.values())
     first = int(np.searchsorted(t, t[-1] - LAST * period))
     curves(record, axes["b"], slice(first, None))

@@ -3,7 +3,8 @@
 import numpy as np
 
 from ...dynamics.recipe import attribute_text
-from ...model.quantities import power_of
+from ...model.quantities import power_of, with_error
+from ...records.healing.healing import SCATTER
 from ...records.machine.machine_stiffness import estimate, value_with_unit
 from ..curves import ALL_ROWS, scatter
 from ..labels import BLUE, DASHED, GRAY, LAWS, RED, prefixed
@@ -16,8 +17,9 @@ PANELS = {
 }
 #: rate of each, and its symbol
 RATES = {"delta_mu": ("beta", r"\beta"), "delta_mu_c": ("beta_c", r"\beta_c")}
-#: shade of a hold; of an evaluated one
-SHADES = ("0.93", "#e4ecff")
+PER_DECADE = r"$\cdot$10$^{-3}$ per decade"
+#: shade and name of a hold, by whether it is evaluated
+HOLDS = {True: ("#e4ecff", "hold"), False: ("0.9", "hold, not evaluated")}
 MILLI = 1e3
 #: slopes and ring-downs that are drawn at most; parts of its length that are shown beside each
 MAX_PANELS, PART_BEFORE, PART_AFTER = 4, 0.2, 0.5
@@ -49,8 +51,11 @@ def _record(result, ax):
     scatter(ax, at, result["friction"].values, ALL_ROWS, "0.45", "_")
     start = factor * (result["hold_start"].values - t[0])
     durations, is_found = factor * result["t_hold"].values, result["hold_status"].values == 0
-    for left, width, known in zip(start, durations, is_found, strict=True):
-        ax.axvspan(left, left + width, color=SHADES[int(known)], lw=0.0, zorder=0)
+    for known, (color, name) in HOLDS.items():
+        at_kind = is_found == known
+        for left, width in zip(start[at_kind], durations[at_kind], strict=True):
+            ax.axvspan(left, left + width, color=color, lw=0.0, zorder=0, label=name)
+            name = "_"
     peaks = factor * (result["peak_time"].values - t[0])
     look = {"ls": "", "ms": 4.0, "mfc": "none", "zorder": 5}
     ax.plot(peaks, result["friction_peak"], "^", color="C3", label="peak", **look)
@@ -59,7 +64,7 @@ def _record(result, ax):
     ax.plot(at, result["friction_steady"], color="C0", lw=1.0, zorder=4)
     ax.set(xlabel=f"Time since the record's start [{unit}]", ylabel=r"Friction $\tau/\sigma$")
     ax.margins(x=0.01)
-    ax.legend(ncols=3, **ABOVE)
+    ax.legend(ncols=5, **ABOVE)
 
 
 def _against_hold_time(result, name, ax):
@@ -73,7 +78,9 @@ def _against_hold_time(result, name, ax):
         line_t = result["line_t_hold"].values
         line, error = (MILLI * result[f"line_{name}{end}"].values for end in ("", "_error"))
         slope, slope_error = (MILLI * float(result[rate + end]) for end in ("", "_error"))
-        text = rf"${symbol}$ = {slope:.3g} $\pm$ {slope_error:.1g}"
+        text = rf"${symbol}$ = ({_typeset(with_error(slope, slope_error))}){PER_DECADE}"
+        if (scatter := float(result[f"{rate}_scatter"])) > SCATTER:
+            text += f"\npoints scatter by {scatter:.2g} times their errors"
         ax.plot(line_t, line, color=GRAY, ls=DASHED, lw=1.0, label=text, zorder=3)
         ax.fill_between(line_t, line - error, line + error, color=GRAY, alpha=0.3, lw=0.0)
     for law in result["law"].values.tolist() if "law" in result.dims else []:
@@ -81,7 +88,7 @@ def _against_hold_time(result, name, ax):
     ax.set_xscale("log")
     plain_ticks(ax.xaxis, t_hold)
     ax.set(xlabel="Hold time [s]", ylabel=f"{PANELS[name]} [$10^{{-3}}$]")
-    ax.legend(loc="upper left", fontsize=7)
+    ax.legend(loc="best", fontsize=7)
 
 
 def _predicted(part, name, rate, ax, law):
@@ -90,7 +97,8 @@ def _predicted(part, name, rate, ax, law):
     keys = (f"{name}_predicted", f"{name}_predicted_error")
     values, errors = (MILLI * part[key].values[order] for key in keys)
     slope = MILLI * float(part[f"{rate}_predicted"])
-    ax.plot(t, values, marker=".", ms=4.0, lw=1.0, label=f"{law.name}: {slope:.3g}", **law.line)
+    text = f"{law.name}: {slope:.3g}{PER_DECADE}"
+    ax.plot(t, values, marker=".", ms=4.0, lw=1.0, label=text, **law.line)
     if np.isfinite(errors).any():
         ax.fill_between(t, values - errors, values + errors, color=law.color, alpha=0.15, lw=0.0)
 

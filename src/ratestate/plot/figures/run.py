@@ -7,7 +7,18 @@ from ...dynamics.steady_sliding import stability
 from ...engine.model import RUNAWAY, STEADY_SLIDING
 from ...errors import ParameterError
 from ...model.slider import SpringSlider
-from ..labels import BLUE, GRAY, LAWS, STRESS, fitting_unit, prefixed, value_text, with_unit
+from ..labels import (
+    BLUE,
+    GRAY,
+    LAWS,
+    STRESS,
+    fitting_unit,
+    in_unit,
+    label_of_contact,
+    prefixed,
+    value_text,
+    with_unit,
+)
 from ..layout import ABOVE, SLIDER, figure, letters, styled, text_width
 from ..motion import force_axis, trace
 from ..runs import THIN, NamedRun, common, named_runs, plane, speed
@@ -110,11 +121,12 @@ def _motion(run, title, result):
 
 
 def _normal_stress(run, ax):
-    factor, unit = fitting_unit("sigma", run.sigma, contact_area(run))
+    area = contact_area(run)
+    factor, unit = fitting_unit("sigma", run.sigma, area)
     in_time, _ = prefixed("s", float(run.time.max()))
     stress_ax = ax.twinx()
     stress_ax.plot(in_time * run.time, factor * run.sigma, color=GRAY, **THIN)
-    stress_ax.set_ylabel(rf"$\sigma$ [{unit}]", color=GRAY)
+    stress_ax.set_ylabel(in_unit(label_of_contact("sigma", area), unit), color=GRAY)
     stress_ax.tick_params(axis="y", colors=GRAY)
     ax.set_zorder(stress_ax.get_zorder() + 1)
     ax.patch.set_visible(False)

@@ -25,8 +25,15 @@ CURVES, RESIDUALS = 3.0, 1.0
 LINE, BELOW = 0.8, 1.5
 #: estimates that are drawn along the experiment, where they were made
 DRAWN = ("a_minus_b", "Dc")
-#: against what
-ALONG = ("V_after", "step_delta_lp")
+#: ratio of speeds up to which all steps are at one speed
+ONE_SPEED = 1.01
+#: the label of the axis along which estimates are drawn
+AXES = {
+    "V_after": f"{label('V_lp')} after the step",
+    "t_hold": "Hold time",
+    "step": "Number of the step",
+    "step_delta_lp": ABSCISSAE["delta_lp"],
+}
 #: how far the markers of one law are beside those of another [inches]
 MARKER_SHIFT = 0.035
 #: the line of a record
@@ -40,8 +47,9 @@ def steps_figure(result):
     laws = results_by_law(result)
     n = result.sizes["step"]
     shown = np.linspace(0, n - 1, min(n, MOST)).astype(int)
-    columns = min(shown.size, COLUMNS)
-    rows = -(-shown.size // columns)
+    rows = -(-shown.size // COLUMNS)
+    columns = -(-shown.size // rows)
+    along = (_varied(result), "step_delta_lp")
     of_any = result["parameter"].values if n > 1 else ()
     drawn = [symbol for symbol in DRAWN if symbol in of_any]
     heights = [max(rows * STEP, LEAST) + LABELS, *([ESTIMATE] * len(drawn))]
@@ -53,14 +61,24 @@ def steps_figure(result):
         axes = pair.subplots(sharex=True)
         _step(result.isel(step=i), {law: part.isel(step=i) for law, part in laws.items()}, axes)
     _legend(result if drawn else None, parts[0], laws)
+    if drawn:
+        parts[0].suptitle(r"$\mathbf{(a)}$ steps and holds", x=0.01, ha="left", fontsize=8)
     parts[0].supylabel("Friction, change and residuals in $10^{-3}$", fontsize=8)
     for part, symbol in zip(parts[1:], drawn, strict=True):
-        axes = part.subplots(1, len(ALONG), sharey=True)
-        for ax, along in zip(axes, ALONG, strict=True):
-            _draw_estimates(laws, symbol, along, ax)
+        axes = part.subplots(1, len(along), sharey=True)
+        for ax, name in zip(axes, along, strict=True):
+            _draw_estimates(laws, symbol, name, ax)
         axes[0].set_ylabel(in_unit(label(symbol), _scale(laws, symbol)[1]))
-        letters(axes, first="abcd"[2 * drawn.index(symbol)])
+        letters(axes, first="bd"[drawn.index(symbol)])
     return fig
+
+
+def _varied(result):
+    """Return what differs between the steps: the speed after them, hold time, or their number."""
+    V = result["V_after"]
+    if V.max() > ONE_SPEED * V.min():
+        return "V_after"
+    return "t_hold" if (result["kind"] == "hold").all() else "step"
 
 
 def _title(result, laws, shown):
@@ -144,7 +162,8 @@ def _draw_estimates(laws, symbol, along, ax):
     """An estimate of each step, with its 68 % interval, against speed or displacement."""
     factor, _ = _scale(laws, symbol)
     x = next(iter(laws.values()))[along].values
-    to_unit, unit = prefixed(QUANTITIES[along].unit, float(np.nanmax(np.abs(x))))
+    unit = QUANTITIES[along].unit if along in QUANTITIES else "1"
+    to_unit, unit = prefixed(unit, float(np.nanmax(np.abs(x))))
     for i, (law, part) in enumerate(laws.items()):
         fit = part.sel(parameter=symbol)
         shift = ScaledTranslation(i * MARKER_SHIFT, 0.0, ax.figure.dpi_scale_trans)
@@ -160,10 +179,9 @@ def _draw_estimates(laws, symbol, along, ax):
             # only now, for the limits are those of what is drawn in data coordinates
             for artist in bars.get_children():
                 artist.set_transform(artist.get_transform() + shift)
-    if along == "V_after" and np.ptp(x) > 0.0:
+    if along in ("V_after", "t_hold"):
         ax.set_xscale("log")
         plain_ticks(ax.xaxis, to_unit * x)
-    text = ABSCISSAE["delta_lp"] if along == "step_delta_lp" else label("V_lp") + " after the step"
-    ax.set_xlabel(in_unit(text, unit))
+    ax.set_xlabel(in_unit(AXES[along], unit))
     if symbol == "a_minus_b":
         ax.axhline(0.0, color=GRAY, lw=0.6, zorder=0)
