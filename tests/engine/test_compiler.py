@@ -239,6 +239,9 @@ REFUSED = {
     "for _ in range(n): n += 1\n else: n += 1\n return n > 0": "for _ in range(n):",
     "for x in run.x: n += int(x)\n return n > 0": "for x in run.x:",
     "i = 0; run.out[i : i + 4] = 0.5; return True": "run.out[i:i + 4] = 0.5",
+    "i = 0; run.out[i : i + VECTOR : 2] = 0.5; return True": "run.out[i:i + VECTOR:2] = 0.5",
+    "i = 0; run.wide[i : i + VECTOR, 0] = 0.5; return True": "run.wide[i:i + VECTOR, 0] = 0.5",
+    "i = 0; v = run.out[i : i + VECTOR]; v += 1.0; return True": "v += 1.0",
     "add_to(run, at=0, x=1.0); return True": "add_to(run, at=0, x=1.0)",
 }
 

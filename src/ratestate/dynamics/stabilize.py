@@ -51,6 +51,7 @@ def stabilize(slider, V_lp, margin=1.1):
           M = 0;
         - ``V_c_with_K``, ``V_c_with_M`` and ``V_c_with_damping``: critical velocity [m/s] after
           each remedy.  With damping it may be 0: the slider then stays unstable at low speeds.
+          Without mass ``V_c_with_K`` holds for a K just above ``K_stable``: inf under most laws.
 
     Raises
     ------
@@ -112,9 +113,8 @@ def _remedies(law, damped, *, V, K, M, **values):
         V_c(law, K=K, M=M, **parameters).V_c for K in (K_stable, (1.0 + EDGE_WIDTH) * K_stable)
     )
     speeds = [
-        np.where(
-            V_c_with_K > 0.0, V_c_with_K, stiffer
-        ),  # without mass, K_c is the same at any speed
+        # without mass, K_c is the same at all speeds
+        np.where((M > 0.0) | (V_c_with_K > 0.0), V_c_with_K, stiffer),
         np.where(np.isnan(M_stable), np.nan, V_c(law, K=K, M=with_M, **parameters).V_c),
         V_c(damped, K=K, M=M, damping=damping, **others).V_c,
     ]

@@ -219,6 +219,8 @@ class _Function(Code):
             raise IndexError(f"an index of {len(index)} numbers")
         kind = KINDS[array.dtype]
         of_slot = Vector if isinstance(index[-1], slice) else kind
+        if any(isinstance(i, slice) for i in index[: None if kind is Bits else -1]):
+            raise TypeError("a slice is the last index, of an array of doubles")
         at, *others = (i.start if isinstance(i, slice) else i for i in index)
         for k, following in enumerate(others, 2):
             at = at * self._word(array.at + k) + following
@@ -247,7 +249,11 @@ class _Function(Code):
             self._assign(target, value)
 
     def _exec_AugAssign(self, node):
-        self._assign(node.target, self._value(ast.BinOp(node.target, node.op, node.value)))
+        value = self._value(ast.BinOp(node.target, node.op, node.value))
+        # (a slice is a copy here, but not in Python)
+        if isinstance(value, Vector) and isinstance(node.target, ast.Name):
+            raise TypeError("a vector is not changed in place")
+        self._assign(node.target, value)
 
     def _assign(self, target, value):
         if isinstance(target, ast.Tuple):
@@ -364,7 +370,7 @@ class _Function(Code):
 
     def _eval_Slice(self, node):
         start, stop = ast.unparse(node.lower), ast.unparse(node.upper)
-        if stop != f"{start} + VECTOR":
+        if stop != f"{start} + VECTOR" or node.step:
             raise TypeError("a slice is of as many items as a vector has")
         return slice(self._value(node.lower), None)
 

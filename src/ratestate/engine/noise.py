@@ -47,7 +47,8 @@ class Whitening:
     def __call__(self, white, variances, times):
         """Return L^-1 applied to each column, and ln det Sigma.
 
-        Columns of zeros are added, up to whole vectors.  The next call overwrites all columns.
+        Columns of zeros are added, up to whole vectors.  The array is overwritten by the next call,
+        so two threads must not share a `Whitening`.
 
         white : variance of the white part, >= 0
         variances, times : (m,) variances of the relaxations, >= 0, and their times [s], > 0
@@ -79,6 +80,7 @@ def _filter(run, n):
                 variance += gain[a]
                 change += abs(gain[a] - previous[a])
                 previous[a] = gain[a]
+            # (at one time step gains approach their limit: n samples drift by n CONVERGED at most)
             is_steady = change <= CONVERGED * variance
             inverse, log_variance = 1.0 / variance, log(variance)
             root = sqrt(inverse)

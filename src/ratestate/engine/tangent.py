@@ -66,10 +66,10 @@ def trace_of(jacobian, shares, unit):
 
 
 def perturbation_at_end(new, is_slaved, z):
-    """Return a perturbation at the end of a step; if v is held, v follows the others."""
+    """Return a perturbation at the end of a step; if v is slaved, v follows the others."""
     S_v, *S_psi = new.S_slopes
-    of_held = new.in_v((z[0], minus_dot(z[0], S_psi, z[2:]) / S_v, *z[2:]))
-    return z[0], where(is_slaved, of_held[1], z[1]), *z[2:]
+    of_slaved = new.in_v((z[0], minus_dot(z[0], S_psi, z[2:]) / S_v, *z[2:]))
+    return z[0], where(is_slaved, of_slaved[1], z[1]), *z[2:]
 
 
 def step(start, z, h):

@@ -53,7 +53,7 @@ def quantity(values, unit):
     return f"{', '.join(map(number, values))} {unit}".rstrip()
 
 
-def _bounds(bounds):
+def _bounds_text(bounds):
     low, high = bounds
     if low == high:
         return number(low)
@@ -64,7 +64,9 @@ def _bounds(bounds):
 
 def cells(row):
     """Return lines on the paper, the scheme and converged values, three lists; ["-"] if none."""
-    paper = [row.paper, f"taken as {', '.join(map(_bounds, row.covers))}"] if row.covers else ["-"]
+    paper = (
+        [row.paper, f"taken as {', '.join(map(_bounds_text, row.covers))}"] if row.covers else ["-"]
+    )
     scheme = []
     for (omega_dt, *dt), values in row.scheme.items():
         times = ", ".join(f"{1e6 * x:.3g}" for x in dt)

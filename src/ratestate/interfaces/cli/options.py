@@ -75,7 +75,9 @@ def read_record(paths: Any, keywords: dict[str, Any], sigma: str | None) -> Any:
     try:
         return read_lab(paths, **keywords), keywords
     except ParameterError as error:
-        if sigma is None or error.sentence != "columns.no_sigma":
+        # (of several files some may have the column)
+        several = isinstance(paths, list) and len(paths) > 1
+        if sigma is None or several or error.sentence != "columns.no_sigma":
             raise
     keywords = keywords | {"sigma": sigma}
     return read_lab(paths, **keywords), keywords

@@ -60,7 +60,7 @@ def overview(run, verdict, *, orbit=None, others=(), chart=None, caption=()):
     cycle = [] if orbit is None else [NamedRun(orbit, "limit cycle", {"color": BLUE, "lw": 1.4})]
     runs = [*unnamed, NamedRun(run, "run", {"color": GRAY, "lw": 0.6}), *cycle]
     plane(runs, phase, named=True)
-    phase.legend(**_legend_below(phase))
+    phase.legend(**_settings_below(phase))
     for ax in maps:
         _map(ax, chart, verdict)
     letters([stresses, speeds, phase, *maps], "stress", "speed", "phase plane", MAP)
@@ -103,11 +103,11 @@ def _map(ax, chart, verdict):
     look = {"mfc": "w" if beyond else "k", "mec": "k", "ms": 5, "ls": "", "zorder": 6}
     handles_ += ax.plot(*inside, "o", label=name, clip_on=False, **look)
     names = [str(line.get_label()).replace(" (", "\n(").replace(", ", ",\n") for line in handles_]
-    ax.legend(handles_, names, **_legend_below(ax))
+    ax.legend(handles_, names, **_settings_below(ax))
 
 
-def _legend_below(ax):
-    """Return the place of a legend below axes and their label."""
+def _settings_below(ax):
+    """Return settings of a legend below axes and their label."""
     foot = offset_copy(ax.transAxes, ax.get_figure(root=True), y=-FOOT, units="points")
     at = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "bbox_transform": foot, "ncols": 2}
     return LEGEND | NARROW | at | {"columnspacing": 1.2}

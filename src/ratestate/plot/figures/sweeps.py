@@ -97,7 +97,7 @@ def _is_outside(result, dims):
 
 
 def _write_if_empty(ax, values):
-    """Whether there is nothing to show, which is then written."""
+    """Write that there is no cycle if there is nothing to show; return whether."""
     if is_empty := not np.isfinite(values).any():
         at = {"transform": ax.transAxes, "ha": "center", "va": "center"}
         ax.text(0.5, 0.5, "no cycle in any case", **at)

@@ -116,7 +116,10 @@ class Forward(ForwardModel):
         self.v_limit = np.log(V_LIMIT / self.V0) if may_run_away else np.inf
 
     def push(self, start, end, speed):
-        """Move the load point faster from start to end [s], in each of n sliders, all (n, 1)."""
+        """Move the load point faster from start to end [s], in each of n sliders, all (n, 1).
+
+        From then on only n points can be evaluated at a time.
+        """
         loading, t = self.record.loading, np.unique([*self.loads.t, *start.flat, *end.flat])
         speeds = loading.speed.refined(t[t < loading.speed.until])
         refined = dataclasses.replace(loading, speed=speeds)

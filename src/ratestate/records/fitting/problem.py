@@ -18,7 +18,7 @@ from ..raw_record import loading_of, raw_record, recorded_segments
 from .forward import Forward
 from .unknowns import distinct, parameter, sizes_of, to_coordinate
 
-#: most samples: a march stores all of them for a dozen sliders at once
+#: most samples: a march stores all of them for up to some thirty sliders at once
 MOST = 200_000
 #: fewest samples before the first step, and after the last
 FEWEST = 8
