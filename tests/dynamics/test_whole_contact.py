@@ -77,7 +77,7 @@ def test_answers_are_in_the_units_of_the_whole_contact():
     assert verdict.text.count("MN/m") == 3  # K, K_c and K_c_qs
     page = rs.plot.figure(found)
     assert page.axes[0].get_ylabel() == "$K$ [MN/m]"
-    assert r"$\sigma$ = 4 kN, $M$ = 6 kg, $K$ = 1.8 MN/m" in page.get_suptitle()
+    assert r"$F_n$ = 4 kN, $M$ = 6 kg, $K$ = 1.8 MN/m" in page.get_suptitle()
 
 
 def test_axes_of_a_sweep_are_in_the_units_of_the_whole_contact():
@@ -86,7 +86,7 @@ def test_axes_of_a_sweep_are_in_the_units_of_the_whole_contact():
     found = rs.stability(slider, rs.logspace("V_lp", "1 mm/s", "10 mm/s", 7))
     assert "over sigma (7 from 2 kN to 8 kN)" in str(rs.summary(found))
     page = rs.plot.figure(found)
-    assert page.axes[0].get_ylabel() == r"Normal force $\sigma$ [kN]"
+    assert page.axes[0].get_ylabel() == r"Normal force $F_n$ [kN]"
     low, high = page.axes[0].get_ylim()
     assert low * high == pytest.approx(16.0, rel=1e-6)  # they are 1.9 and 8.5 kN
     assert "[MN/m]" in " ".join(ax.get_xlabel() for ax in page.axes)
@@ -109,4 +109,4 @@ def test_dimensions_of_the_whole_contact_have_the_symbols_of_parameters():
     forces = np.array([3e3, 4e3, 5e3])
     slider = rs.SpringSlider.of_contact(a=0.003, b=0.006, Dc="10 um", normal_force=forces, **values)
     fig = rs.plot.figure(rs.stability(slider, "3.2 mm/s"))
-    assert "$\\sigma$" in " ".join(ax.get_xlabel() for ax in fig.axes)
+    assert "$F_n$" in " ".join(ax.get_xlabel() for ax in fig.axes)
