@@ -63,9 +63,7 @@ def test_values_that_nobody_measured(tmp_path):
             r"7 rows .* -9999 in '(Displ\(um\)|Friction)', a code .*: line 12, line 32, .* 2 more"
         )
         left(write(path, *columns), match, range(10, 150, 20))
-    match = (
-        r"no rock has \(more than 3\): line 42 \(friction = 12000\), line 43 \(friction = -5\)"
-    )
+    match = r"no rock has \(more than 3\): line 42 \(friction = 12000\), line 43 \(friction = -5\)"
     left(write(path, T, X, put(MU, (40, 12000), (41, -5))), match, [40, 41])
     match = r"1 row .* as a dropout.*: line 102 \(friction = 1.2\)"
     left(write(path, T, X, put(MU, (100, 1.2))), match, [100])
