@@ -132,7 +132,7 @@ def _evaluations(part, name, problem):
     many = np.repeat(point[None], LANES, axis=0)
     jobs = {
         "jacobian": lambda: problem.search.whitened(point, NOISE),
-        "alone": lambda: problem.search.difference(point),
+        "alone": lambda: problem.search.difference(point[None]),
         "lanes": lambda: with_best_level(problem.search, many),
     }
     seconds = interleaved(jobs)
