@@ -51,7 +51,8 @@ def hopf(slider, V_lp=None):
     Returns
     -------
     xarray.Dataset
-        In the dimensions of all named DataArrays, at the bifurcation:
+        In the dimensions of all named DataArrays, at the bifurcation.  If V_lp is given, nothing
+        depends on K, and its dimensions are left out.
 
         - ``V_c`` [m/s], ``K_c`` [Pa/m] and ``eta`` [1] (eq. 7).
         - ``omega_c`` [rad/s] and ``frequency`` [Hz] = omega_c/(2 pi).  Under laws of one length

@@ -1,4 +1,4 @@
-"""Generate LLVM text: run Python functions on numbers that record each operation.
+"""Generate LLVM text of a law's units: run Python functions on numbers that record operations.
 
 A `Number` stands for as many doubles as the code's width, one for each lane.  Its arithmetic
 appends instructions to its `Code`, each of them once.  Conditions become bits by which `where`

@@ -1,4 +1,4 @@
-"""The function `sweep`: find the chunks that are not computed yet, and compute them."""
+"""The function `sweep`: check that a store is of this sweep, and compute the chunks it lacks."""
 
 import contextlib
 import dataclasses

@@ -31,6 +31,8 @@ def test_an_orbit_closes_and_has_the_measures_of_its_cycle(name):
     assert 0.999 < float(stress.max() - stress.min()) / amplitude < 1.0 + 1e-7
     assert 0.99 < float(run.V.max() / cycle.V_max) < 1.0 + 1e-6
     assert run.sizes["time"] > 40
+    for name in ("amplitude", "stress_drop", "frequency", "returns"):
+        assert run[name].item() == cycle[name].item() > 0.0
 
 
 def test_steady_sliding_is_one_point():

@@ -24,6 +24,8 @@ from .attractor import SLOWER, find_attractors, steady_start
 from .measure import refine
 from .system import state, system_of
 
+#: variables of a run that `orbit` takes from the cycle
+OF_PERIOD = "amplitude", "stress_drop", "frequency", "returns"
 #: names of the result, which a dimension or coordinate of the sweep cannot have
 VARIABLES = (
     "period frequency amplitude stress_drop V_max V_min inertia slow_fraction fundamental"
@@ -295,7 +297,8 @@ def orbit(slider, V_lp, *, rtol=1e-8, return_cycle=False):
         The variables of `simulate` along ``time``, at the solver's own steps: ``V`` [m/s],
         ``theta`` [s], ``tau`` [Pa], ``mu`` and others.  The orbit begins at the maximum of the
         stress, where V = V_lp, and ends there one period later.  Steady sliding is one point, at
-        time 0.
+        time 0.  The values of amplitude, stress_drop, frequency and returns are taken from the
+        result of `limit_cycle`.
 
     Raises
     ------
@@ -327,7 +330,9 @@ def _run_and_cycle(slider, V_lp, rtol, progress):
     if status[0] == STEADY_SLIDING:
         loading, time = Loading.constant(call.V_lp), slider.Dc / call.V_lp
         return SimulateCall(slider, loading, time, times=np.zeros(1)).result(), cycle
-    return _period(slider, call, measures, rtol, progress), cycle
+    run = _period(slider, call, measures, rtol, progress)
+    # (a run of one period has no last period of its own)
+    return run.assign({name: run[name].copy(data=cycle[name]) for name in OF_PERIOD}), cycle
 
 
 def _period(slider, call, measures, rtol, progress):

@@ -96,8 +96,8 @@ def healing(data, *, slider=None, loading=None, trend="slip", noise=None):
 
         With a slider, along ``law`` and ``hold``: ``delta_mu_predicted`` and
         ``delta_mu_c_predicted``.  Along ``law``: ``beta_predicted`` and ``beta_c_predicted``, the
-        slopes of lines through predictions with the same weights.  All have errors if the slider
-        is a fit.
+        slopes of lines through predictions with the same weights.  All have errors, which
+        are 0 if the slider is not a fit.
 
     Raises
     ------

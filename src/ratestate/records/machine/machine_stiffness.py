@@ -67,9 +67,9 @@ def machine_stiffness(data, *, sigma=None, slider=None, loading=None):
     -------
     xarray.Dataset
         Scalars: ``K`` [Pa/m], ``M`` [kg/m^2] and ``damping`` [Pa s/m], each with ``_error`` and
-        ``_scatter``, or NaN if not found.  Without K, M and damping are NaN too.  M, damping and ln
-        K are means weighted with the errors.  If values scatter significantly more than their
-        errors, ``_scatter`` is above 1, and the errors are enlarged by it.
+        ``_scatter``, or NaN if not found.  ``_scatter`` needs two values.  Without K, M and damping
+        are NaN too.  M, damping and ln K are means weighted with the errors.  If values scatter
+        significantly more than their errors, ``_scatter`` is above 1, and enlarges the errors.
 
         Along ``slope``:
 
