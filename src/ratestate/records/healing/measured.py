@@ -207,8 +207,7 @@ def _smooth_peaks(record, slide, noise):
     windows = [
         _about_maximum(record.level, slide, size) for size in passed[:-3:-1] or [FEWEST_OF_PEAK]
     ]
-    excess = 0.0 if passed[1:] else curvature(*columns, windows[0], PEAK_USED, noise)
-    local = noise.times(max(math.sqrt(excess / ORDERS), 1.0))  # (enlarged by a misfit)
+    local = noise if passed[1:] else _with_misfit(record, noise, windows[0], PEAK_USED)
     peaks = [fitted_polynomial(*columns, rows, PEAK_USED, local).peak for rows in windows]
     found = [peak for peak in peaks if peak] if peaks[0] else []
     return found, record.t[windows[0][-1]], local.level > MAX_NOISE * noise.level
@@ -236,8 +235,7 @@ def _sharp_peaks(record, slide, noise):
         return curvature(*columns, rows[:size], TESTED, noise) <= SIGNIFICANT
 
     sizes = windows_that_pass(FEWEST_OF_HOLD, rows.size, passes, FAILED)
-    excess = 0.0 if sizes else curvature(*columns, rows[:FEWEST_OF_HOLD], USED, noise)
-    local = noise.times(max(math.sqrt(excess / ORDERS), 1.0))
+    local = noise if sizes else _with_misfit(record, noise, rows[:FEWEST_OF_HOLD], USED)
     at, peaks = 0.5 * (t[first - 1] + t[first]), []
     for size in sizes[:-3:-1] or [FEWEST_OF_HOLD]:
         fit = fitted_polynomial(*columns, rows[:size], USED, local)
@@ -245,6 +243,12 @@ def _sharp_peaks(record, slide, noise):
         beyond = max(fit.at(at)[0] - value, 0.0)
         peaks.append((at, value + beyond, math.hypot(error, beyond)))
     return peaks, rise
+
+
+def _with_misfit(record, noise, rows, order):
+    """Return the noise, enlarged by the misfit of a polynomial in time of this order."""
+    excess = curvature(record.t, record.t, record.friction, rows, order, noise)
+    return noise.times(max(math.sqrt(excess / ORDERS), 1.0))
 
 
 def _about_maximum(friction, slide, width):
