@@ -55,7 +55,8 @@ def escape(slider, V_lp):
 
     There are two kinds of disturbance.  In a step, the slider slides steadily at another speed, at
     which steady sliding is stable, until the load point's speed changes to V_lp.  In a kick, the
-    spring's stress changes suddenly while the slider slides steadily at V_lp.
+    spring's stress changes suddenly while the slider slides steadily at V_lp.  A disturbance decays
+    if the slider slides steadily in the end, however fast it slides before.
 
     Parameters
     ----------

@@ -48,8 +48,9 @@ def stability(slider, V_lp):
 
         - ``K_c`` and ``K_c_qs``: critical stiffness with inertia (eq. 6) and without [Pa/m];
         - ``eta``: dynamic instability coefficient (eq. 7);
-        - ``V_c``: critical velocity (eq. 10) [m/s], and ``V_c_upper``: speed above which sliding is
-          stable again under some laws, else inf;
+        - ``V_c``: critical velocity (eq. 10) [m/s]: sliding is stable below and unstable above it.
+          0 if every speed is unstable, inf if none is;
+        - ``V_c_upper``: speed above which sliding is stable again under some laws, else inf;
         - ``f_n``: natural frequency [Hz];
         - ``eigenvalues`` [1/s], in the dimension ``mode``, least stable first.  Their number is the
           number of the law's states plus 2;
@@ -153,7 +154,7 @@ def frequency_response(slider, V_lp, frequency=None):
     frequency : float, str, pint.Quantity, array_like or DataArray, optional
         Frequency [Hz], > 0.  A list or 1-D array gets the dimension ``frequency``.  By default
         there are 60 frequencies per decade.  They extend by a decade beyond V_lp/(2 pi Dc), f_n and
-        the resonance on both sides.
+        the resonance on both sides, in a sweep beyond those of all cases.
 
     Returns
     -------

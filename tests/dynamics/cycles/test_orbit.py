@@ -33,12 +33,14 @@ def test_an_orbit_closes_and_has_the_measures_of_its_cycle(name):
     assert run.sizes["time"] > 40
     for name in ("amplitude", "stress_drop", "frequency", "returns"):
         assert run[name].item() == cycle[name].item() > 0.0
+    assert run.cycles.item() == 1
 
 
 def test_steady_sliding_is_one_point():
     for slider in (FIG2, FIG2.replace(M=0.0, law="aging"), FIG2.replace(K=np.inf)):
         run = orbit(slider, 3e-4)
         assert run.sizes["time"] == 1
+        assert run.cycles.item() == 0
         assert float(run.V[0]) == pytest.approx(3e-4, rel=1e-12)
         assert float(run.tau[0]) == pytest.approx(2e6 * (0.6 - 0.003 * np.log(3e5)), rel=1e-12)
 

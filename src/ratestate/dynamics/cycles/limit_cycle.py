@@ -298,7 +298,7 @@ def orbit(slider, V_lp, *, rtol=1e-8, return_cycle=False):
         ``theta`` [s], ``tau`` [Pa], ``mu`` and others.  The orbit begins at the maximum of the
         stress, where V = V_lp, and ends there one period later.  Steady sliding is one point, at
         time 0.  The values of amplitude, stress_drop, frequency and returns are taken from the
-        result of `limit_cycle`.
+        result of `limit_cycle`, and ``cycles`` is 1, or 0 in steady sliding.
 
     Raises
     ------
@@ -331,8 +331,9 @@ def _run_and_cycle(slider, V_lp, rtol, progress):
         loading, time = Loading.constant(call.V_lp), slider.Dc / call.V_lp
         return SimulateCall(slider, loading, time, times=np.zeros(1)).result(), cycle
     run = _period(slider, call, measures, rtol, progress)
-    # (a run of one period has no last period of its own)
-    return run.assign({name: run[name].copy(data=cycle[name]) for name in OF_PERIOD}), cycle
+    # A run of one period ends before it has measured a period.
+    measured = {name: cycle[name] for name in OF_PERIOD} | {"cycles": 1}
+    return run.assign({name: run[name].copy(data=measured[name]) for name in measured}), cycle
 
 
 def _period(slider, call, measures, rtol, progress):

@@ -1,4 +1,4 @@
-"""The verdict on a scenario with a single slider, as text for the report."""
+"""The sentences above a report's tables: the verdict on a scenario with a single slider."""
 
 import math
 from pathlib import Path

@@ -56,9 +56,9 @@ def machine_stiffness(data, *, sigma=None, slider=None, loading=None):
     sigma : float or str, optional
         Normal stress [Pa].  By default the median of the record's normal stress is used.
     slider : SpringSlider, optional
-        Slider whose a, b and Dc remove the effect of friction from ring-downs during sliding.  Its
-        law must have one state.  Without a slider M is computed as for a machine without friction,
-        and the damping includes friction.
+        Slider whose a, b and Dc, single numbers, remove the effect of friction from ring-downs
+        during sliding.  Its law must have one state.  Its K and M are not used.  Without a slider M
+        is computed as for a machine without friction, and the damping includes friction.
     loading : Loading, optional
         The load point's history, with t = 0 at the first sample.  By default the recorded motion is
         used.
