@@ -202,8 +202,8 @@ def decimated(*curves):
     n = len(curves[0])
     if n <= MOST_SENT:
         return slice(None)
-    pieces = np.array_split(np.arange(n), MOST_SENT // (2 * len(curves) + 1))
-    kept = [0, n - 1]
+    pieces = np.array_split(np.arange(n), (MOST_SENT - 1) // (2 * len(curves) + 1))
+    kept = [n - 1]
     for piece in pieces:
         for curve in curves:
             part = curve[piece]

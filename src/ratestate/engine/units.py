@@ -1,4 +1,4 @@
-"""Units of code: all code that depends on the law, as functions of a lane.
+"""Code written for a law: all that depends on it, as functions of a lane.
 
 Units of lanes run over whole vectors.  Units of one lane have input and output numbers, as their
 docstrings say.  `code` turns these functions into machine code; they also run as plain Python.

@@ -1,4 +1,4 @@
-"""Results as CSV, and tables in a laboratory's units: a row for each event, step or hold."""
+"""Results as CSV in SI, and tables of events, steps or holds in um, MPa and GPa/m."""
 
 import itertools
 

@@ -1,4 +1,4 @@
-"""Results in NetCDF 4 files and in Zarr folders, with checksums.
+"""Results in NetCDF 4 files and in Zarr folders, with checksums that are compared on reading.
 
 An attribute has the SHA-256 of each variable and of the result's own attributes.  Results without
 it are read unchecked.

@@ -1,4 +1,4 @@
-"""The class of friction laws: equations, coefficients and steady sliding.
+"""What the package does with a friction law: equations, coefficients and steady sliding.
 
 All computations under a law use log variables, a reference velocity V_ref and T = t V_ref/Dc:
 

@@ -1,4 +1,4 @@
-"""The base class of friction laws: names, parameters, formulas.
+"""What the author of a friction law writes: names, parameters, formulas.
 
 It also has the methods that forms of friction and varying normal stress replace.
 """

@@ -1,4 +1,4 @@
-"""The speed of a slider and the values of the equations of motion, at one point in time.
+"""A slider's speed and the right-hand sides of its equations of motion, for one state.
 
 The state is y = (x, v, psi), with one psi for each of the law's variables.  Under most laws
 V = V_ref exp(v), which is always positive.  If friction stays finite at rest, slip may reverse.

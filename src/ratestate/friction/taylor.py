@@ -1,4 +1,4 @@
-"""Taylor coefficients in time of expressions, by recurrences.
+"""Taylor series in time of expressions, by recurrences.
 
 For each sum, product, quotient and function a rule gives the coefficient of order k in time from
 coefficients of lower order (Moore 1966; Jorba & Zou 2005 doi:10.1080/10586458.2005.10128904).

@@ -1,4 +1,4 @@
-"""Critical velocity and limit cycles of the paper's scheme (eqs 8, 9) at a given time step.
+"""Critical velocity and limit cycles that the paper's scheme gives at a time step.
 
 Steps are given as omega dt, omega = sqrt(K/M): 0.1 is the largest that the script published by
 the scheme's author accepts without a warning.

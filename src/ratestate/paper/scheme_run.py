@@ -1,4 +1,4 @@
-"""The paper's own scheme, its eqs 8 and 9, at a fixed time step; order 1.
+"""The integration by the paper's scheme, its eqs 8 and 9, at a fixed time step; order 1.
 
 Over a step mass and spring oscillate exactly under the friction of the step's end; velocity,
 friction and state there are solved together (Im et al., 2017, doi:10.1002/2017JB014476).  Lengths

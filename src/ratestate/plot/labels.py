@@ -1,4 +1,4 @@
-"""Labels of figures: symbols as mathematics, laws by name, values with suitable units."""
+"""Labels and colours of figures: symbols as mathematics, laws by name, values with suitable units."""
 
 import re
 from typing import Any, NamedTuple

@@ -1,4 +1,4 @@
-"""Regimes of sliding, by the measured cycle and by the paper's criterion."""
+"""Names of regimes, such as stick-slip, by the measured cycle and by the paper's criterion."""
 
 import numpy as np
 import xarray

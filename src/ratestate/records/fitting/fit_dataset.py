@@ -1,4 +1,4 @@
-"""The Dataset of a fit under one law, or of fits under several laws, compared."""
+"""The Dataset of a fit under one law, or under several laws, and which of them fits best."""
 
 import numpy as np
 import xarray

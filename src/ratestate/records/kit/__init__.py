@@ -1,4 +1,4 @@
-"""Tools that the evaluations of records share; this module: variables and attributes of results."""
+"""Tools that the evaluations of records share, such as variables and attributes of results."""
 
 from ...model.conversion import in_si
 from ...model.quantities import attrs

@@ -1,4 +1,4 @@
-"""Find and describe segments of constant load-point speed in a record; recognize overshoots."""
+"""Segments of constant load-point speed in a record, with standard errors; overshoots."""
 
 from collections.abc import Sequence
 from typing import NamedTuple

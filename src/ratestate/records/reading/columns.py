@@ -1,4 +1,4 @@
-"""Choose the columns of a file for a record; titles.py recognizes their names."""
+"""Choose the columns of a file for a record, or refuse if two fit; titles.py ranks their names."""
 
 import contextlib
 from collections.abc import Callable
