@@ -153,8 +153,8 @@ def frequency_response(slider, V_lp, frequency=None):
         Mean load-point velocity [m/s], > 0.
     frequency : float, str, pint.Quantity, array_like or DataArray, optional
         Frequency [Hz], > 0.  A list or 1-D array gets the dimension ``frequency``.  By default
-        there are 60 frequencies per decade.  They extend by a decade beyond V_lp/(2 pi Dc), f_n and
-        the resonance on both sides, in a sweep beyond those of all cases.
+        there are 60 frequencies per decade, the same for all cases of a sweep.  They extend by a
+        decade beyond V_lp/(2 pi Dc), f_n and the resonance on both sides.
 
     Returns
     -------

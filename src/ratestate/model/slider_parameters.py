@@ -1,4 +1,4 @@
-"""The parameters of a slider: their names under each law, conversion, change, equality, printing."""
+"""The parameters of a slider: names under each law, conversion, change, equality, printing."""
 
 import dataclasses
 import functools

@@ -1,4 +1,4 @@
-"""Labels and colours of figures: symbols as mathematics, laws by name, values with suitable units."""
+"""Labels and colours of figures: symbols as mathematics, names of laws, values with units."""
 
 import re
 from typing import Any, NamedTuple

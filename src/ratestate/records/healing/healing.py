@@ -88,7 +88,8 @@ def healing(data, *, slider=None, loading=None, trend="slip", noise=None):
         Scalars: ``beta`` and ``beta_c``, the change of healing and of relaxation per decade of hold
         time, with ``_error`` and ``_scatter``.  The scatter is the root of the reduced chi-square
         about the line, NaN with two holds.  If it is significantly above 1, the errors are enlarged
-        by it.  The rates are NaN without two different hold times.  ``noise_white``, ``noise_red``, ``noise_time``.
+        by it.  The rates are NaN without two different hold times.  ``noise_white``,
+        ``noise_red``, ``noise_time``.
 
         Along ``line``: ``line_t_hold`` [s], and the fitted lines with errors, ``line_delta_mu`` and
         ``line_delta_mu_c``.  Along ``time``: ``friction``, and ``friction_steady``, the line of
