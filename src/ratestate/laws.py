@@ -69,13 +69,13 @@ def catalogue():
 
     Returns
     -------
-    list of LawEntry
+    list of `LawEntry`
         The built-in laws, then the registered laws.
 
     Examples
     --------
-    >>> [law.name for law in catalogue()][:2]
-    ['slip', 'aging']
+    >>> [law.name for law in catalogue()][:5]
+    ['slip', 'aging', 'flash-heating', 'kato-tullis', 'nagata']
     """
     return [
         LawEntry(

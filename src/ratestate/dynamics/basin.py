@@ -78,7 +78,8 @@ def escape(slider, V_lp):
         - ``outcome``: the motion after such a disturbance.  "cycle", "irregular cycles" that do not
           repeat, "runaway" (M = 0), "none" if all disturbances decay, or "no steady sliding" if it
           is unstable.  It is "irregular cycles" if any of the four disturbances leads to them;
-        - ``amplitude`` (max - min of tau/sigma) and ``period`` [s] of the limit cycle reached;
+        - ``amplitude`` (max - min of tau/sigma) and ``period`` [s] of the limit cycle reached; NaN
+          unless the outcome is "cycle", also if steady sliding is unstable;
         - ``unstable_amplitude``, ``unstable_period`` [s] and ``unstable_multiplier`` of the
           unstable cycle that separates it from steady sliding.  In a period a small distance from
           this cycle is multiplied by unstable_multiplier.  NaN if there is no such cycle.
@@ -98,6 +99,8 @@ def escape(slider, V_lp):
 
     Examples
     --------
+    Without inertia a large step leads to a runaway.
+
     >>> import ratestate as rs
     >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="630 MPa/m", M=0)
     >>> edge = rs.escape(slider, "1 um/s")

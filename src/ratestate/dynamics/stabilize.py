@@ -44,13 +44,15 @@ def stabilize(slider, V_lp, margin=1.1):
     xarray.Dataset
         In the dimensions of all named DataArrays:
 
-        - ``K_stable``: least stiffness [Pa/m]; 0 if any stiffness suffices;
+        - ``K_stable``: least stiffness [Pa/m], less than K if the slider is stable; 0 if any
+          stiffness suffices;
         - ``M_stable``: largest mass per area [kg/m^2]; inf if any mass will do, NaN if none will;
         - ``damping_stable``: least damping [Pa s/m]; 0 if none is needed;
         - ``damping_ratio_stable``: this damping divided by the critical damping 2 sqrt(K M); NaN if
           M = 0;
         - ``V_c_with_K``, ``V_c_with_M`` and ``V_c_with_damping``: critical velocity [m/s] after
-          each remedy.  With damping it may be 0: the slider then stays unstable at low speeds.
+          each remedy, and the slider's own V_c if no damping is needed.  With damping it may be 0:
+          the slider then stays unstable at low speeds.
           Without mass ``V_c_with_K`` holds for a K just above ``K_stable``: inf under most laws.
 
     Raises

@@ -50,7 +50,8 @@ def stability(slider, V_lp):
         - ``eta``: dynamic instability coefficient (eq. 7);
         - ``V_c``: critical velocity (eq. 10) [m/s]: sliding is stable below and unstable above it.
           0 if every speed is unstable, inf if none is;
-        - ``V_c_upper``: speed above which sliding is stable again under some laws, else inf;
+        - ``V_c_upper``: speed above which sliding is stable again under some laws, else inf; in the
+          dimensions of ``V_c``;
         - ``f_n``: natural frequency [Hz];
         - ``eigenvalues`` [1/s], in the dimension ``mode``, least stable first.  Their number is the
           number of the law's states plus 2;
@@ -67,8 +68,9 @@ def stability(slider, V_lp):
 
     Notes
     -----
-    If K = inf, sliding is stable, V_c and f_n are inf, and the eigenvalues are -V/Dc and twice
-    -inf.  For other limits see the functions of these names in `ratestate.formulas`.
+    If M = 0, f_n is inf, and one eigenvalue is -inf.  If K = inf, sliding is stable, V_c and f_n
+    are inf, and the eigenvalues are -V/Dc and twice -inf.  For other limits see the functions of
+    these names in `ratestate.formulas`.
     """
     call = stability_call(slider, V_lp)
     into_store = "Sweep into a store, sweep(stability, ..., store='x.zarr')."

@@ -74,8 +74,8 @@ def read(path):
     Raises
     ------
     ParameterError
-        If the file is missing, of another kind, or damaged.  A .zarr without the attribute "sha256"
-        is not checked: numbers of a lost chunk are NaN.
+        If the file is missing (then also a FileNotFoundError), of another kind, or damaged.  A
+        .zarr without the attribute "sha256" is not checked: numbers of a lost chunk are NaN.
     StoreError
         If the store of a sweep is not finished or is damaged.  Also if a .zarr is in Zarr format 2,
         because such a file can run code of its author.
@@ -98,7 +98,10 @@ def read(path):
     except Exception as error:
         # the content of a file can make any library fail that reads it
         error_text = f"{type(error).__name__}: {error}"
-        raise ParameterError(f"{path} cannot be read as a result: {error_text[:300]}") from None
+        raise ParameterError(
+            f"{path} cannot be read as a result: {error_text[:300]}",
+            "It is damaged, or no result of ratestate. Compute the result again.",
+        ) from None
 
 
 #: ending of a name -> functions that write and read such a file

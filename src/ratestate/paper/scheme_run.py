@@ -51,9 +51,10 @@ def im2017(slider, loading, t_end, dt, *, V_start=None, euler=False):
     Parameters
     ----------
     slider : SpringSlider
-        One slider with mass and a spring, under the slip or the aging law.
+        One slider with mass and a spring, under the slip or the aging law with
+        friction_form="log", without damping.
     loading : Loading, or float, str or pint.Quantity
-        History of the load point.
+        History of the load point.  The normal stress is constant.
     t_end : float, str or pint.Quantity
         End of the run [s], > 0.
     dt : float, str or pint.Quantity

@@ -30,9 +30,11 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
     ax : matplotlib.axes.Axes
         Axes to draw into.
     x : {"time", "delta_lp", "delta"}
-        Abscissa: time [s], load-point displacement [m], or slip since the start of the run [m].
+        Abscissa: time, load-point displacement, or slip since the start of the run.  It is drawn in
+        the unit that the axis label names, such as ms.  Lines that you add are in this unit too.
     tau, mu : dict, optional
-        Changes to the style of the lines of tau/sigma and of mu.
+        Changes to the style of the lines of tau/sigma and of mu, as for
+        `matplotlib.axes.Axes.plot`.  Several runs, and runs without mass, have no line of mu.
 
     Returns
     -------

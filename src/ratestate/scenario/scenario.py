@@ -120,7 +120,8 @@ def from_result(result: Any) -> Scenario:
     Returns
     -------
     Scenario
-        The scenario, without output.  If cases were selected from a sweep, it has these cases.
+        The scenario, without output, for `run`, `toml` and `python`.  If cases were selected from a
+        sweep, it has these cases.
 
     Raises
     ------
