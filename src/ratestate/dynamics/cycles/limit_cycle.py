@@ -332,7 +332,7 @@ def _run_and_cycle(slider, V_lp, rtol, progress):
         return SimulateCall(slider, loading, time, times=np.zeros(1)).result(), cycle
     run = _period(slider, call, measures, rtol, progress)
     # A run of one period ends before it has measured a period.
-    measured = {name: cycle[name] for name in OF_PERIOD} | {"cycles": 1}
+    measured = {name: cycle[name] for name in OF_PERIOD} | {"cycles": 1.0}
     return run.assign({name: run[name].copy(data=measured[name]) for name in measured}), cycle
 
 
