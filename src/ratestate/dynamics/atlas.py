@@ -111,6 +111,9 @@ def atlas(
     if is_array(b_over_a) or not b_over_a > 1:
         raise refusal("atlas.b_over_a", b_over_a=b_over_a)
     # With a = Dc = sigma = 1, and V_lp = 1 if there is no other speed, the slider is its own
+    for symbol, ends in {"eta": eta, "K_over_K_c_qs": K_over_K_c_qs}.items():
+        if np.shape(ends) != (2,):
+            raise refusal("atlas.pair", symbol=symbol, value=ends)
     # dimensionless form, and M is eta.
     units = dict.fromkeys(("a", "Dc", "sigma", "K"), 1.0)
     mass = 1.0 if M is None else M
@@ -121,6 +124,8 @@ def atlas(
     ratio = logspace("K_over_K_c_qs", K_over_K_c_qs[0], K_over_K_c_qs[1], n)
     data = _map(sliders, V_lp, rows, ratio, transition, rtol)
     data = data.assign_coords(b_over_a=((), b_over_a, attrs("b_over_a")))
+    if slider.friction_law.has_speed_scale and tuple(eta) != ETA:
+        raise refusal("atlas.no_eta", law=slider.law)
     data.attrs = provenance("atlas", slider, rtol=rtol, n=n, law=slider.law)
     return data
 
