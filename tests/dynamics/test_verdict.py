@@ -126,6 +126,13 @@ def test_the_verdict_on_a_search_that_was_stopped():
     )
 
 
+def test_a_cycle_of_another_kind_is_refused():
+    sweep = rs.limit_cycle(FIG2, rs.linspace("V_lp", 1e-3, 2e-3, 2))
+    for cycle in (3, sweep, rs.orbit(FIG2, 1e-3)):
+        with pytest.raises(rs.ParameterError, match="Leave cycle out"):
+            verdict(FIG2, 1e-3, cycle)
+
+
 def test_the_verdict_at_K_c_is_neither_stable_nor_unstable():
     V_c = 3.1622776601683795e-3
     found = verdict(FIG2, V_c)

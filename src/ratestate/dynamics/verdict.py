@@ -182,6 +182,8 @@ def verdict(slider, V_lp, cycle=None):
     steady = stability_call(slider, V_lp).run()
     of_sliding = "K_c K_c_qs V_c V_c_upper eta f_n growth_rate omega".split()
     values: dict[str, Any] = {name: float(steady[name].values) for name in of_sliding}
+    elif not (isinstance(cycle, SolverError) or _is_one_cycle(cycle)):
+        raise refusal("verdict.cycle")
     values["stable"] = bool(steady["stable"].values)
     reason = ""
     if isinstance(cycle, QuasiStaticInstability):
@@ -206,3 +208,9 @@ def verdict(slider, V_lp, cycle=None):
             values["K_fold"] = kappa * slider.a * slider.sigma / slider.Dc
     answer = Verdict(slider=slider, V_lp=V_lp, **values)
     return dataclasses.replace(answer, sentences=sentences(answer, reason))
+
+
+def _is_one_cycle(result):
+    """Return whether this is a result of `limit_cycle` for one slider and speed."""
+    title = getattr(result, "attrs", {}).get("title")
+    return title == "ratestate limit_cycle" and result["status"].ndim == 0
