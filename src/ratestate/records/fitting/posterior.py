@@ -107,12 +107,16 @@ class LogLikelihood:
 
     def __call__(self, values):
         """Return ln(likelihood) at values (k,) [SI] of `names`; -inf without a motion."""
-        if np.shape(values) != (len(self.names),):
+        try:
+            point = np.asarray(values, float)
+        except (TypeError, ValueError):
+            point = np.empty(0)
+        if point.shape != (len(self.names),):
             raise sentences.refusal(
                 "settings.point", names=", ".join(self.names), count=len(self.names), values=values
             )
         with np.errstate(divide="ignore", invalid="ignore"):
-            pairs = list(zip(self.names, np.asarray(values, float), strict=True))
+            pairs = list(zip(self.names, point, strict=True))
             coordinates = np.array([to_coordinate(name, value) for name, value in pairs])
         least = [parameter(name).least for name in self.names]
         if not np.isfinite(coordinates).all() or (coordinates < least).any():

@@ -255,7 +255,10 @@ def segments_from_velocity(t, V):
 
 
 def _check_arrays(t, x, symbol):
-    t, x = np.asarray(t, float), np.asarray(x, float)
+    try:
+        t, x = np.asarray(t, float), np.asarray(x, float)
+    except (TypeError, ValueError):
+        raise sentences.refusal("segments.numbers", symbol=symbol) from None
     if t.ndim != 1 or t.shape != x.shape or t.size < 4:
         raise sentences.refusal("segments.shape", t=t.shape, x=x.shape, symbol=symbol)
     if not (np.isfinite(t).all() and np.isfinite(x).all()):
