@@ -63,13 +63,14 @@ def log_likelihood(
     -------
     LogLikelihood
         A function of a point: values (k,) [SI], in the order of `free` without mu0.  It returns a
-        float, or -inf if no slider with these values moves through the whole record.  Its attribute
-        ``names`` holds the order.  The function can be pickled.
+        float, or -inf if no slider with these values moves through the whole record, or if a value
+        is not finite or cannot be a parameter.  Its attribute ``names`` holds the order.  The
+        function can be pickled.
 
     Raises
     ------
     ParameterError
-        As `fit` does.
+        As `fit` does.  Also if the function gets anything but one number for each name.
 
     Examples
     --------

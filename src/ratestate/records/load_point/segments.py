@@ -139,15 +139,16 @@ def find_segments(t, delta_lp):
     Returns
     -------
     segment_t : ndarray, shape (segments,)
-        Start of each segment [s]; the first is ``t[0]``.
+        Start of each segment [s]; the first is ``t[0]``.  Without a step there is one segment.  An
+        overshoot of a step is a segment.
     segment_V : ndarray, shape (segments,)
         Speed [m/s]; exactly 0 in a hold.
 
     Raises
     ------
     ParameterError
-        If the times do not increase, a value is not finite, there are fewer than 4 values, or the
-        load point moves backwards or has no constant speeds.
+        If the times do not increase, a value is not a finite number, there are fewer than 4 values,
+        or the load point moves backwards or has no constant speeds.
 
     Notes
     -----
