@@ -250,6 +250,9 @@ def test_missing_parameters_of_an_atlas_are_named():
         ({"law": "two-state-slip", "b2": -3.0, "Dc2": 1.0}, "stable at any stiffness"),
         ({"law": "two-state-slip", "b2": 0.5, "Dc2": "10 um"}, "Dc2 = '10 um' is not a plain"),
         ({"law": "kato-tullis", "V_cut": 1.0, "M": "1 kg/m^2"}, "M = '1 kg/m\\^2' is not a plain"),
+        ({"law": "kato-tullis", "V_cut": 1.0, "M": 1e-3, "eta": (0.1, 1.0)}, "Leave eta out"),
+        ({"law": "slip", "eta": 3}, "eta = 3 is not a pair of numbers"),
+        ({"law": "slip", "K_over_K_c_qs": (1.0,)}, "such as K_over_K_c_qs=\\(0.1, 10\\)"),
         ({"law": "slip", "sigma": 2.0}, "sigma is not a parameter that law = 'slip' has beside"),
     ):
         with pytest.raises(ParameterError, match=said):

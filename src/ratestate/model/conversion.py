@@ -30,7 +30,8 @@ def in_units(result, /, **units):
     ------
     ParameterError
         If the result has no variable of this name, if the variable is not a quantity with a unit
-        (``status``, for example), or if a unit is unknown or does not fit the quantity.
+        (``status``, or the gains and phases of `frequency_response`), or if a unit is unknown or
+        does not fit the quantity.  A pure number may become "%".
 
     Examples
     --------
