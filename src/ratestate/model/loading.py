@@ -90,7 +90,7 @@ class Loading(LoadPoint):
         ----------
         t : sequence of N >= 2 times
             Times [s], starting at 0 and not decreasing.  A time in two rows is a jump.  A time in
-            three rows is an error.
+            three rows, or a jump at the first or last time, is an error.
         V_lp : sequence of N speeds
             Speeds [m/s], >= 0; each may be a string with a unit or a named DataArray.
         sigma : sequence of N stresses, optional
