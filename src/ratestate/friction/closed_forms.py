@@ -105,7 +105,7 @@ def K_c(V, *, a, b, Dc, sigma, M):
     Returns
     -------
     float, ndarray or DataArray
-        K_c [Pa/m], in the shape that the arguments broadcast to.
+        K_c [Pa/m], in the shape that the arguments broadcast to; negative if b < a.
     """
     return K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma) * (1 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M))
 
@@ -141,7 +141,7 @@ def K_c_of_any_law(V, *, Dc, M, dtau_ss_dV, dtau_dV):
     Returns
     -------
     float, ndarray or DataArray
-        K_c [Pa/m], in the shape that the arguments broadcast to.
+        K_c [Pa/m], in the shape that the arguments broadcast to; negative if dtau_ss_dV > 0.
     """
     return -V * dtau_ss_dV / Dc * (1 + M * V / (Dc * dtau_dV))
 

@@ -171,7 +171,8 @@ def runaway_step_lower_bound(*, a, b, Dc, sigma, K):
     Returns
     -------
     float, ndarray or DataArray
-        V_lp/V [1], in the shape that the arguments broadcast to; 1 if K < K_c_qs, inf if b <= a.
+        V_lp/V [1], in the shape that the arguments broadcast to; 1 if K < K_c_qs, inf if b <= a or
+        beyond double precision.
     """
     # With s = c/(r + c) and u = x + c v, no path crosses u = (b/a) r (1 - s exp(-v)) upwards
     # while v grows.  A step starts at u = 0, v = -ln(V_lp/V): below this curve if V_lp/V < 1/s.
@@ -198,7 +199,8 @@ def runaway_step_upper_bound(*, a, b, Dc, sigma, K):
     Returns
     -------
     float, ndarray or DataArray
-        V_lp/V [1], in the shape that the arguments broadcast to; 1 if K < K_c_qs, inf if b <= a.
+        V_lp/V [1], in the shape that the arguments broadcast to; 1 if K < K_c_qs, inf if b <= a or
+        beyond double precision.
     """
     # While v < 0 < u the quantity (1 - x - c h(v)) exp(x) falls, from exp(cL) (b/a - c exp(L)) with
     # L = ln(V_lp/V), and at v = 0 it is (1 - x) exp(x).  Beyond v = 0 no path crosses

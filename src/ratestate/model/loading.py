@@ -24,11 +24,12 @@ class Loading(LoadPoint):
     Attributes
     ----------
     speed : History
-        Speed of the load point [m/s], with its attributes ``t``, ``V`` and ``rate``.
+        Speed of the load point [m/s].  `t`, `V` and `rate` of the loading have its segments.
     t_last : float
         End of the history [s]; inf unless the loading is a series or a sinusoid.
     normal_stress : History or None
-        History of the normal stress; None if it does not change.
+        Normal stress [Pa] at ``start`` and ``end`` of its segments from ``t`` on, NaN while it is
+        the slider's; None if it does not change.
     calls : tuple of Call
         The calls that made the loading, with their arguments as given.
 
