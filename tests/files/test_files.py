@@ -470,3 +470,17 @@ def test_zarr_format_2_is_refused_and_runs_no_code(make, reader, tmp_path, monke
     with pytest.raises(StoreError, match=r"x\.zarr is in Zarr format 2"):
         reader(path)
     assert not ran.exists()
+
+
+@pytest.mark.parametrize(
+    "write",
+    [
+        lambda data: files.write(data, "a.nc"),
+        files.csv_text,
+        lambda data: files.laboratory_csv(data, "event"),
+    ],
+)
+@pytest.mark.parametrize("data", [3, xr.DataArray(3.0)])
+def test_only_datasets_are_written(write, data):
+    with pytest.raises(ParameterError, match=f"a {type(data).__name__} is not a result"):
+        write(data)

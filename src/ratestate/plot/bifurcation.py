@@ -3,9 +3,9 @@
 import numpy as np
 
 from ..dynamics.continuation.bifurcations import stable_pieces
-from ..dynamics.results import branch_parameter, contact_area, parameter
+from ..dynamics.results import branch_parameter, contact_area, law_of_result, parameter
 from ..errors import ParameterError
-from ..friction.closed_forms import K_c
+from ..friction.linear_stability import is_stable
 from ..model.conversion import in_si
 from ..model.quantities import QUANTITIES
 from .labels import AMPLITUDE, BLUE, DASHED, GRAY, LAWS, RED, fitting_unit, in_unit, name_and_symbol
@@ -29,7 +29,8 @@ MARKS = {
 def branch(data, ax=None, *, color=BLUE, label="cycle"):
     """Draw the amplitude of limit cycles along a branch, and steady sliding as amplitude 0.
 
-    Stable motions are solid lines, unstable motions dashed.  Special points are marked.
+    Stable motions are solid lines, unstable motions dashed.  Special points are marked.  The
+    abscissa is the parameter in SI; it is logarithmic if the parameter changes more than threefold.
 
     Parameters
     ----------
@@ -146,7 +147,8 @@ def _new_label(ax, name):
 
 
 def _steady_is_stable(data, symbol, at):
-    symbols = ("a", "b", "Dc", "sigma", "M", "K", "V_lp")
+    law = law_of_result(data)
+    symbols = ("sigma", "M", "K", "V_lp", *law.symbols)
     values = {s: parameter(data, s) for s in symbols if s != symbol} | {symbol: at}
-    K, V_lp = values.pop("K"), values.pop("V_lp")
-    return np.broadcast_to(K_c(V_lp, **values) < K, at.shape)
+    values = {s: np.broadcast_to(value, at.shape) for s, value in values.items()}
+    return is_stable(law, values.pop("V_lp"), **values)

@@ -44,8 +44,8 @@ def toml(scenario: Scenario) -> str:
     Notes
     -----
     For a law that was registered from a file, the text has the absolute path of the file, and the
-    name of the law includes the hash of its formula.  Unusually large or small values are written
-    although `load` refuses them.
+    name of the law includes the hash of its formula.  A law from a class must be registered again
+    before `load`.  Unusually large or small values are written although `load` refuses them.
     """
     function, settings = scenario.function, dict(scenario.settings)
     slider = scenario.slider.parameters

@@ -322,6 +322,9 @@ def test_the_scenario_of_joined_results():
     assert from_result(both.isel(K=1)).slider.K == 8e8
 
 
+WITHOUT_SPEED = '{"slider": {"a": 1, "b": 2, "Dc": 1, "sigma": 1, "K": 1}, "rtol": 1}'
+
+
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
@@ -330,7 +333,8 @@ def test_the_scenario_of_joined_results():
         (lambda r: r.assign_attrs(title="simulate"), "a result with the title 'simulate' has no"),
         (lambda r: r.assign_attrs(title="ratestate fit"), "a fit has no scenario. Fit the record"),
         (lambda r: r.assign_attrs(scenario="{"), "the attribute 'scenario' of the Dataset has b"),
-        (lambda r: r.assign_attrs(scenario='{"slider": {}, "rtol": 1}'), "is altered (TypeError"),
+        (lambda r: r.assign_attrs(scenario='{"slider": {}}'), "SpringSlider needs a, b"),
+        (lambda r: r.assign_attrs(scenario=WITHOUT_SPEED), "is altered (TypeError"),
         (lambda r: r.drop_vars("M"), "has lost the values of 'M'"),
     ],
 )

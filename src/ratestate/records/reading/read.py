@@ -150,7 +150,7 @@ def try_reading(file, choices, *, seconds, stop=None):
     Parameters
     ----------
     file : binary file
-        An open file, such as an `io.BytesIO`, perhaps with a ``name``.
+        An open file, such as an `io.BytesIO`, perhaps with a ``name``.  It is read to its end.
     choices : dict
         Any of the arguments ``columns``, ``units`` and ``time`` of `read_lab`.
     seconds : float
