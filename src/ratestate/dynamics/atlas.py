@@ -80,7 +80,7 @@ def atlas(
           3 quasi-harmonic, 4 unknown) and ``agree`` (see `ratestate.classify`).
         - With `transition`, the same with the suffix ``_close`` along ``eta`` and ``K_over_K_c``
           below 1.
-        - Along ``eta``: ``K_c_over_K_c_qs``, ``lyapunov_1`` [V_lp/Dc] and ``type`` of the Hopf
+        - Along ``eta``: ``K_c_over_K_c_qs``, ``lyapunov_1_Dc_over_V_lp`` and ``type`` of the Hopf
           bifurcation at this eta.
         - Along ``eta``: ``K_fold_over_K_c_qs``, the largest stiffness at which a limit cycle
           coexists with stable steady sliding.  It is NaN if none does, or if d theta/dt depends on
@@ -190,10 +190,10 @@ def _transition(slider, V_lp, critical):
     critical : K_c/K_c_qs
     """
     point = hopf(slider, V_lp)
-    data = point[["lyapunov_1", "type"]].drop_vars(["M", "V_lp"], errors="ignore")
-    data["lyapunov_1"] = data.lyapunov_1 / V_lp
-    in_units = {"units": "1", "comment": "in units of V_lp/Dc"}
-    data["lyapunov_1"].attrs = attrs("lyapunov_1") | in_units
+    data = point[["type"]].drop_vars(["M", "V_lp"], errors="ignore")
+    name = "lyapunov_1_Dc_over_V_lp"
+    data[name] = (point.lyapunov_1 / V_lp).variable
+    data[name].attrs = attrs(name)
     data["K_c_over_K_c_qs"] = ("row", np.asarray(critical), attrs("K_c_over_K_c_qs"))
     fold, change = np.full(data.sizes["row"], np.nan), np.nan
     if slider.friction_law.one_length:
