@@ -75,7 +75,7 @@ def friction(V, theta, *, a, b, mu0, V0, Dc):
     Returns
     -------
     float, ndarray or DataArray
-        mu [1], in the shape that the arguments broadcast to.
+        mu [1], in the shape that the arguments broadcast to; -inf if V or theta is 0.
     """
     return mu0 + a * np.log(V / V0) + b * np.log(V0 * theta / Dc)
 

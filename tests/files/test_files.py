@@ -219,6 +219,12 @@ def test_a_zarr_with_other_files_is_not_replaced(kind, results, tmp_path):
     assert {one: one.is_file() and one.read_bytes() for one in path.rglob("*")} == before
 
 
+def test_an_empty_folder_is_replaced(results, tmp_path):
+    (tmp_path / "x.zarr").mkdir()
+    path = files.write(results["cycle"], tmp_path / "x.zarr")
+    assert files.read(path).identical(results["cycle"])
+
+
 def test_a_damaged_result_is_replaced(results, tmp_path):
     path = files.write(results["cycle"], tmp_path / "x.zarr")
     shutil.rmtree(path / "period")

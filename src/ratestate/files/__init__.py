@@ -39,8 +39,8 @@ def write(data, path):
         A result of any function.
     path : str or Path
         File, whose name ends in .nc (NetCDF 4; complex variables as two, NAME_real and NAME_imag),
-        .csv (see `csv_text`) or .zarr (a folder).  A file of this name is replaced, and so is a
-        folder that `write` made, unless it has other files.  Permissions and links are kept.
+        .csv (see `csv_text`) or .zarr (a folder).  A .nc or .csv of this name is replaced, and so
+        is a .zarr that `write` made, unless it has other files.  Permissions and links are kept.
 
     Returns
     -------
@@ -51,7 +51,7 @@ def write(data, path):
     ------
     ParameterError
         If data is not a Dataset, the ending is none of these, the folder of the file does not
-        exist, or `path` is a folder that `write` did not make.
+        exist, or `path` is a folder that `write` did not make, or a .zarr that is a file.
     OSError
         If the file cannot be written.  A previous file stays as it was.
     """

@@ -108,8 +108,8 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
 def period(E, *, V_lp, a, b, Dc):
     """Return the period of sliding without inertia at K = K_c_qs, slip or aging law.
 
-    It is 2 pi/omega_c for small excursions and grows with E.  The slip per cycle is V_lp times the
-    period.
+    It is 2 pi/omega_c for small excursions (see `omega_c`) and grows with E.  The slip per cycle is
+    V_lp times the period.
 
     Parameters
     ----------

@@ -111,7 +111,8 @@ def prefixed(unit, value):
     factor : float
         Factor by which to multiply a value in SI.
     text : str
-        The unit with its prefix, as a label writes it; "" for a pure number.
+        The unit with its prefix, as a label writes it, with the Greek letter for micro and powers
+        such as m$^2$; "" for a pure number.
 
     Examples
     --------

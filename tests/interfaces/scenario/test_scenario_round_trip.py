@@ -344,6 +344,12 @@ def test_results_without_a_scenario_are_refused(damage, message):
     assert message in str(caught.value)
 
 
+@pytest.mark.parametrize("function", [run, python, toml])
+def test_a_result_in_place_of_its_scenario_is_refused(function):
+    with pytest.raises(ParameterError, match="a Dataset is not a scenario"):
+        function(rs.stability(SLIDER, 1e-3))
+
+
 SAMPLE = xr.DataArray([1e3, 2e3], dims="sample")
 
 
