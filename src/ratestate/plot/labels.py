@@ -84,6 +84,8 @@ LETTERS = {
 }
 
 
+#: Greek letters that only begin symbols
+GREEK = ("beta", "delta", "kappa")
 #: symbols that sentences name; single letters that are words as well are not among them
 SYMBOLS = (*LETTERS, "K_c", "V_c", "V_c_upper", "f_n", "V_from", "sigma_from", "K", "M", "V", "b")
 _NAMED = "|".join(sorted(map(re.escape, SYMBOLS), key=len, reverse=True))
@@ -159,20 +161,28 @@ def label(symbol):
     Returns
     -------
     str
-        Text that matplotlib sets as mathematics.
+        Text that matplotlib sets as mathematics: upright if the symbol is a word, such as lag.
     """
     return f"${_letters(symbol)}$"
 
 
 def _letters(symbol):
-    """A symbol as mathematics; what follows an underscore, and digits at the end, are lowered."""
+    """A symbol as mathematics; what follows an underscore, and digits, are lowered."""
     symbol = symbol if symbol in LETTERS else WHOLE_CONTACT.get(symbol, symbol)
     if symbol in LETTERS:
         return LETTERS[symbol]
-    head = symbol.rstrip("0123456789")
-    letter, _, index = LETTERS.get(head, head).partition("_")
-    index = index.strip("{}") + symbol[len(head) :]
-    return f"{letter}_{{{index}}}" if len(index) > 1 or index.isdigit() else symbol
+    for ratio in ("_over_", "_by_"):
+        if ratio in symbol:
+            return "/".join(map(_letters, symbol.split(ratio, 1)))
+    first, *indices = symbol.split("_")
+    head = first.rstrip("0123456789")
+    if len(head) > 1 and head not in (*LETTERS, *GREEK):
+        return rf"\mathrm{{{symbol.replace('_', '~')}}}"
+    letter, _, index = LETTERS.get(head, rf"\{head}" if head in GREEK else head).partition("_")
+    lowered = ",".join(filter(None, [index.strip("{}") + first[len(head) :], *indices]))
+    if lowered.isalpha() and len(lowered) == 1:
+        return f"{letter}_{lowered}"
+    return f"{letter}_{{{lowered}}}" if lowered else letter
 
 
 def label_of_contact(symbol, area):
@@ -205,13 +215,13 @@ def value_text(symbol, value, unit_of=None, area=None):
     unit_of : float, optional
         Value in SI for which the unit is chosen, in place of `value`.
     area : float, optional
-        Area of the contact [m^2].  The value is then shown for the whole contact: a force in place
-        of a stress.
+        Area of the contact [m^2].  Normal stress, stiffness, mass and damping are then shown for
+        the whole contact, such as the normal force F_n for sigma.
 
     Returns
     -------
     str
-        Text such as ``$V_{lp}$ = 3.2 mm/s``.  Infinity is written as its symbol.
+        Text such as ``$V_{lp}$ = 3.2 mm/s``.  inf is written as its symbol.
     """
     return f"{label_of_contact(symbol, area)} = {with_unit(symbol, value, unit_of, area)}"
 
