@@ -165,6 +165,14 @@ def test_only_results_have_a_report(other):
         rs.summary(other)
 
 
+def test_results_with_nothing_to_list_or_lost_variables_are_refused(cycle):
+    K = xr.DataArray([5e8, 9e8], dims="K")
+    with pytest.raises(rs.ParameterError, match="'hopf' has no single values to list"):
+        rs.summary(rs.hopf(SLIDER.replace(K=K)))
+    with pytest.raises(rs.ParameterError, match="the result of limit_cycle is incomplete"):
+        rs.summary(cycle[["amplitude"]])
+
+
 def test_arrays_of_any_function_and_other_results_have_a_report():
     K = xr.DataArray([5e8, 9e8], dims="K")
     lines = str(rs.summary(rs.stability(SLIDER.replace(K=K), 1e-2))).splitlines()
@@ -173,6 +181,7 @@ def test_arrays_of_any_function_and_other_results_have_a_report():
     found = rs.stabilize(SLIDER, 1e-2)
     text = str(rs.summary(found))
     assert text.startswith("Result of stabilize\n")
+    assert str(rs.summary(rs.hopf(SLIDER))).startswith("Result of hopf\n")
     assert f"{float(found.M_stable):.6g} kg/m^2" in text
 
 

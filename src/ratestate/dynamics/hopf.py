@@ -20,6 +20,7 @@ from ..model.names import keywords_checked
 from ..model.slider import check_slider
 from ..model.units import is_array, named, to_si
 from .refusals import check_one_length, refusal
+from .results import provenance
 
 VARIABLES = (
     "V_c K_c eta omega_c frequency eigenvalue_3 lyapunov_1 type amplitude_coefficient".split()
@@ -104,7 +105,7 @@ def hopf(slider, V_lp=None):
     result["lyapunov_1"].attrs["comment"] = "dr/dt = growth_rate r + lyapunov_1 r^3, r of ln V"
     distance = "sqrt(|V_lp/V_c - 1|)" if V_lp is None else "sqrt(|K/K_c - 1|)"
     result["amplitude_coefficient"].attrs["comment"] = f"amplitude of small cycles over {distance}"
-    return result.assign_attrs(slider=repr(slider), law=slider.law, parameter=parameter)
+    return result.assign_attrs(provenance("hopf", slider, law=slider.law, parameter=parameter))
 
 
 def _bifurcation(law, parameter, columns):

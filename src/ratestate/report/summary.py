@@ -22,7 +22,8 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
     result : xarray.Dataset
         Result of `simulate`, `stability`, `limit_cycle`, `continue_cycle`, `frequency_response`,
         `sweep`, `fit`, `events`, `healing` or `machine_stiffness`, with its attributes and
-        variables.  Of other functions, `classify` for example, the single values are listed.
+        variables.  A sweep has the smallest and largest value of each variable.  Of other
+        functions, `classify` for example, the single values are listed.
     units : dict, optional
         Units of symbols in tables, such as ``{"V_lp": "mm/s"}``.  By default each value has a unit
         that suits its size.  Units have no effect on results of records.
@@ -66,7 +67,12 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
     if many_cases.axes_of(result, name):
         return Report(many_cases.sweep(result, name, shown))
     if name in single.TABLES:
-        return Report(single.TABLES[name](result, shown))
+        try:
+            return Report(single.TABLES[name](result, shown))
+        except AttributeError as lost:
+            raise ParameterError(
+                f"the result of {name} is incomplete: {lost}", "Give it with all its variables."
+            ) from lost
     single_values = {key: x for key, x in result.data_vars.items() if not x.dims}
     rows = [
         Row(str(key), value, text=(str(value.item()) or "-") if value.dtype.kind in "OUT" else "")
@@ -75,8 +81,8 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
     ]
     if not rows:
         raise ParameterError(
-            f"the title of the Dataset, {name!r}, does not name a result",
-            "Give a Dataset as ratestate returns it.",
+            f"the Dataset with the title {name!r} has no single values to list",
+            "Give a Dataset as ratestate returns it, or one case of it.",
         )
     return Report([Title(f"Result of {name}"), of_quantities(rows, shown)])
 

@@ -45,8 +45,8 @@ def machine_stiffness(data, *, sigma=None, slider=None, loading=None):
     a hold or a step, or unloads, after a step down.  The fault creeps meanwhile, so the slope is
     less than K.  Each slope is therefore fitted with a curve that includes the creep of the fault
     at constant state, and starts from the friction before the hold or step.  Without such slopes, K
-    is the slope between stress drops.  M and the damping follow from free oscillations after a
-    step, a hold or a stress drop.
+    is the slope between stress drops, a lower bound.  M and the damping follow from free
+    oscillations after a step, a hold or a stress drop.
 
     Parameters
     ----------

@@ -80,7 +80,7 @@ def read_lab(
 
         Attributes:
 
-        - ``found``: steps and holds in words.
+        - ``found``: steps and holds in words, or that there are none.
         - ``notes``: JSON list of rows that were left out or look odd.
         - ``source``: name of the file or files.
         - ``columns``: JSON with the source of each variable.  ``sign`` is -1 if its sign was
