@@ -102,7 +102,10 @@ def _diagram(data, ax, factor, unit, color=BLUE, label="cycle", area=None):
     symbol = branch_parameter(data)
     x, amplitude, special = (data[name].values for name in (symbol, "amplitude", "special"))
     at = np.geomspace(x.min() / 1.05, x.max() * 1.05, 2001)
-    stable = _steady_is_stable(data, symbol, at)[:-1]
+    symbols = ("a", "b", "Dc", "sigma", "M", "K", "V_lp")
+    values = {s: parameter(data, s) for s in symbols if s != symbol} | {symbol: at}
+    K, V_lp = values.pop("K"), values.pop("V_lp")
+    stable = np.broadcast_to(K_c(V_lp, **values) < K, at.shape)[:-1]
     x, at = factor * x, factor * at
     _pieces(ax, at, np.zeros_like(at), stable, "k", _by_stability("steady sliding"))
     stable = stable_pieces(special, data.stable.values)
@@ -143,10 +146,3 @@ def _pieces(ax, x, y, stable, color, names=("", "")):
 def _new_label(ax, name):
     """The name for a legend, hidden from it where it stands there already."""
     return f"_{name}" if name in ax.get_legend_handles_labels()[1] else name
-
-
-def _steady_is_stable(data, symbol, at):
-    symbols = ("a", "b", "Dc", "sigma", "M", "K", "V_lp")
-    values = {s: parameter(data, s) for s in symbols if s != symbol} | {symbol: at}
-    K, V_lp = values.pop("K"), values.pop("V_lp")
-    return np.broadcast_to(K_c(V_lp, **values) < K, at.shape)
