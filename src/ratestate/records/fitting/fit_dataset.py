@@ -89,8 +89,8 @@ def with_comparison(result, criterion, fits):
     weight = np.exp(-0.5 * difference)
     new = {"aic_difference": difference, "akaike_weight": weight / weight.sum("law")}
     texts, laws, has_steps = [], result["law"].values.tolist(), "step" in criterion.dims
+    total = criterion.sum("step") if has_steps else criterion
     if criterion.notnull().any():
-        total = criterion.sum("step") if has_steps else criterion
         texts.append(_by_likelihood(total.values, laws, fits))
     if "bic" in result:
         bic = result["bic"].where(criterion.notnull())
@@ -108,20 +108,14 @@ def with_comparison(result, criterion, fits):
             texts.append(sentences(f"evidence.{which}", **ranked, error=second))
     if texts and "noise_red" in result:
         is_red = (result["noise_red"] > 0.0).any([d for d in criterion.dims if d != "law"])
-        red, best = result["law"].values[is_red.values].tolist(), _best(criterion)
-        if red:
-            which = "correlated" if best in red else "others_correlated"
+        if red := result["law"].values[is_red.values].tolist():
+            is_best = laws[int(total.argmin("law"))] in red
+            which = "correlated" if is_best else "others_correlated"
             texts.append(sentences(f"likelihood.{which}", laws=law_names(red)))
     result = result.assign(
         {name: x.transpose(*criterion.dims).assign_attrs(attrs(name)) for name, x in new.items()}
     )
     return result.assign_attrs(comparison=" ".join(texts)) if texts else result
-
-
-def _best(criterion):
-    """Return the law with the least criterion, summed over steps."""
-    total = criterion.sum([d for d in criterion.dims if d != "law"])
-    return total["law"].values[int(total.argmin("law"))]
 
 
 def _ranked(values, laws):
