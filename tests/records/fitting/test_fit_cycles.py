@@ -163,8 +163,8 @@ def test_a_trend_is_removed_and_noted():
 def check_estimates(found, slider, widest):
     """Check that all estimates are within 4 errors, and errors below `widest`."""
     estimates = found.inference.estimates
-    for name in estimates.names:
-        one = estimates.of(name)
+    for name in estimates.by_name:
+        one = estimates.by_name[name]
         known = slider.a - slider.b if name == "a_minus_b" else getattr(slider, name)
         is_free = name in found.problem.unknowns.names
         apart = np.log(one.value / known) if is_free else one.value - known
@@ -225,7 +225,7 @@ def test_fits_that_lose_their_cycles_are_refused(vibration, monkeypatch):
 def test_two_laws_are_fitted_side_by_side(vibration):
     data, slip = vibration
     both = rs.fit(data, VIBRATION, ("b",), law=("slip", "aging"), against="cycles")
-    assert float(both.b.sel(law="slip")) == slip.inference.estimates.of("b").value
+    assert float(both.b.sel(law="slip")) == slip.inference.estimates.by_name["b"].value
     assert both.fitted.dims == ("law", "segment", "feature")
     assert float(both.aic_difference.min()) == 0.0
     assert "AIC" in both.attrs["comparison"]

@@ -497,7 +497,7 @@ def test_text_on_an_unconstrained_parameter(solution, error, is_constrained):
     quantities = inference.quantities
     spread = np.diag([0.01, 1e-4, 0.01, error, 1e-4, 1e-4, 1.0]) ** 2
     values = np.array([q.value(solution.point) for q in quantities])
-    names, is_log = inference.estimates.names, np.array([q.is_log for q in quantities])
+    names, is_log = [*inference.estimates.by_name], np.array([q.is_log for q in quantities])
     estimates = estimates_from(names, values, spread, is_log)
     note, warnings = identifiability(inference._replace(estimates=estimates))
     (warning,) = warnings

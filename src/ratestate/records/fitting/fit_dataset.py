@@ -143,13 +143,14 @@ def _share(weight):
 
 def estimate_variables(estimates):
     """Return the Dataset of `Estimates` [SI]."""
-    names = list(estimates.names)
+    names = [*estimates.by_name]
+    values, errors, intervals, kinds = map(list, zip(*estimates.by_name.values(), strict=True))
     variables = {
-        **labelled((), **dict(zip(names, estimates.values.tolist(), strict=True))),
-        **labelled("parameter", standard_error=estimates.errors),
-        **labelled(("parameter", "level", "side"), interval=estimates.intervals),
+        **labelled((), **dict(zip(names, values, strict=True))),
+        **labelled("parameter", standard_error=errors),
+        **labelled(("parameter", "level", "side"), interval=intervals),
         **labelled(("parameter", "other"), correlation=estimates.correlation),
-        **labelled("parameter", interval_kind=list(estimates.kinds)),
+        **labelled("parameter", interval_kind=kinds),
     }
     coords = {"parameter": names, "other": names, "level": list(LEVELS), "side": list(SIDES)}
     return xarray.Dataset(variables, coords)

@@ -144,11 +144,9 @@ def longest_distance(estimates, slider):
     """
     distances = []
     for symbol in slider.friction_law.lengths:
-        given = float(getattr(slider, symbol))
-        if symbol in estimates.names:
-            estimate = estimates.of(symbol)
-            distances.append((estimate.value, float(estimate.interval[-1, 1]), symbol))
-        else:
-            distances.append((given, given, symbol))
+        value = high = float(getattr(slider, symbol))
+        if estimate := estimates.by_name.get(symbol):
+            value, high = estimate.value, float(estimate.interval[-1, 1])
+        distances.append((value, high, symbol))
     value, high, symbol = max(distances)
     return symbol, value, high

@@ -247,22 +247,22 @@ def fit_stress_step(step, others, shared):
 def _with_held_errors(inference, held, covariance):
     """Return the `Inference` with errors (h, h) of held parameters added to alpha's."""
     solution, estimates = inference.solution, inference.estimates
-    i, least = estimates.names.index("alpha"), to_value("alpha", -np.inf)
-    errors, intervals = estimates.errors.copy(), estimates.intervals.copy()
-    if not np.isfinite(errors[i]):
+    estimate, least = estimates.by_name["alpha"], to_value("alpha", -np.inf)
+    if not np.isfinite(estimate.error):
         return inference
     problem, names = solution.problem, solution.unknowns.names
     point = [to_coordinate(name, getattr(problem.slider, name)) for name in held]
     forward = Forward(problem.record, problem.slider, (*held, *names))
     jacobian = forward.jacobian(np.concatenate([point, solution.point]))[1]
     if not np.isfinite(jacobian).all():  # no motion close to the held values
-        errors[i], intervals[i] = np.inf, (least, np.inf)
+        error, interval = np.inf, np.array(2 * [(least, np.inf)])
     else:
         white, _ = problem.whiten(jacobian, solution.noise)
         by_held = np.linalg.lstsq(white[:, len(held) :], white[:, : len(held)])[0]
         slopes = by_held[names.index("alpha")]
-        errors[i] = np.sqrt(errors[i] ** 2 + slopes @ covariance @ slopes)
+        error = np.sqrt(estimate.error**2 + slopes @ covariance @ slopes)
         # adding to the ends is also right at a bound, where intervals are not symmetric
-        more = (errors[i] - estimates.errors[i]) * ROOTS[:, None] * np.array([-1.0, 1.0])
-        intervals[i] = np.maximum(intervals[i] + more, least)
-    return inference._replace(estimates=estimates._replace(errors=errors, intervals=intervals))
+        more = (error - estimate.error) * ROOTS[:, None] * np.array([-1.0, 1.0])
+        interval = np.maximum(estimate.interval + more, least)
+    changed = {"alpha": estimate._replace(error=error, interval=interval)}
+    return inference._replace(estimates=estimates._replace(by_name=estimates.by_name | changed))
