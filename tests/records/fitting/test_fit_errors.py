@@ -32,6 +32,7 @@ from ratestate.records.fitting.profile import (
     compute_profiles,
 )
 from ratestate.records.fitting.quantities import (
+    GAUSSIAN,
     ROOTS,
     ReportedQuantity,
     estimates_from,
@@ -83,7 +84,7 @@ def sampled(good):
 def test_the_profile_of_a_gaussian_likelihood_is_the_covariance(solution):
     numbers = reported_quantities(solution.problem)
     assert all(are_gaussian(solution, numbers))
-    assert compute_profiles(solution, numbers, False) == {}
+    assert compute_profiles(solution, numbers, False, [GAUSSIAN] * len(numbers)) == {}
     for number in (numbers[2], numbers[5], numbers[6]):
         one = compute_profile(solution, number)
         gradient = number.gradient(solution.point)

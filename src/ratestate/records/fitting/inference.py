@@ -70,7 +70,7 @@ def infer_quantities(solution, quantities, noise, with_profiles=True, all_profil
             break
         except BetterPoint as better:
             if attempt < REFITS:
-                solution = solution_from(solution.problem, better.point, noise)
+                solution = solution_from(solution.problem, better.args[0], noise)
                 likely, widened = _noise_and_widening(solution, quantities, noise)
     point = solution.point
     root = np.array([q.gradient(point) for q in quantities]) @ solution.root
