@@ -58,12 +58,9 @@ class ReportedQuantity(NamedTuple):
         """Return the derivatives (k,) of `value` by the coordinates."""
         if self.function is None:
             return (np.array(self.forward.names) == self.name).astype(float)
-        kept, key = self.forward.gradients, (self.name, point.tobytes())
-        if key not in kept:
-            above, below = self.forward.neighbours(point)
-            high, low = np.split(self.values(np.concatenate([above, below])), 2)
-            kept[key] = (high - low) / np.diag(above - below)
-        return kept[key]
+        above, below = self.forward.neighbours(point)
+        high, low = np.split(self.values(np.concatenate([above, below])), 2)
+        return (high - low) / np.diag(above - below)
 
     def si(self, value):
         if self.function is None:
