@@ -61,7 +61,7 @@ def joined(results, dim, names):
     results : iterable of Dataset
     names : names of the parameters, in order
     """
-    whole = xarray.concat(
+    table = xarray.concat(
         [
             result.reindex(parameter=names, other=names).assign_coords(
                 {d: range(result.sizes[d]) for d in result.dims if d not in result.coords}
@@ -72,10 +72,10 @@ def joined(results, dim, names):
         join="outer",
         combine_attrs="drop_conflicts",
     )
-    for name, variable in whole.data_vars.items():
+    for name, variable in table.data_vars.items():
         if variable.dtype == object:
-            whole[name] = variable.fillna("").astype(str)
-    return whole
+            table[name] = variable.fillna("").astype(str)
+    return table
 
 
 def with_comparison(result, criterion, fits):

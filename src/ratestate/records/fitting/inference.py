@@ -35,7 +35,8 @@ class Inference(NamedTuple):
 def inferences_of(data, settings, loading=None):
     """Return an `Inference` for each law (list); arguments as for `solutions_of`."""
     noise, errors = settings.noise, settings.errors
-    inferences = [infer(one, noise, errors) for one in solutions_of(data, settings, loading)]
+    solutions = solutions_of(data, settings, loading)
+    inferences = [infer(solution, noise, errors) for solution in solutions]
     return with_posteriors(inferences) if errors == "posterior" else inferences
 
 

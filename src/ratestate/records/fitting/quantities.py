@@ -90,11 +90,11 @@ def reported_quantities(problem):
         linear = linearisation(friction, friction.coefficient_arrays(V, values))
         return values["a"] * (linear.direct - linear.evolution.sum(axis=-1))
 
-    free = [name for name in names if parameter(name).group in ("slider", "record")]
-    rows = [(name, parameter(name)) for name in free]
+    rows = {name: parameter(name) for name in names}
+    free = [name for name, row in rows.items() if row.group in ("slider", "record")]
     quantities = [
-        ReportedQuantity(name, forward, is_log=row.is_log, no_effect=row.no_effect)
-        for name, row in rows
+        ReportedQuantity(name, forward, None, rows[name].is_log, rows[name].no_effect)
+        for name in free
     ]
     quantities.append(ReportedQuantity("mu0", forward, mu0))
     rate = ReportedQuantity("a_minus_b", forward, rate_dependence)

@@ -150,8 +150,11 @@ def _steps_of(window, data, settings, segments):
     if segment := stick_slip_in(window, segments):
         status = STICK_SLIP
         message = sentences("per_step.stick_slip", events=segment.events, V_lp=segment.V)
-    of_laws = [settings._replace(free=free, sliders=[slider]) for slider in sliders]
-    return [Step(window, part, max(rows, 1), one, status, message) for one in of_laws]
+    settings = settings._replace(free=free)
+    return [
+        Step(window, part, max(rows, 1), settings._replace(sliders=[slider]), status, message)
+        for slider in sliders
+    ]
 
 
 def fit_each(windows):
@@ -180,9 +183,9 @@ def _start_from(pilot, steps):
         result = results[step.law]
         names = [n for n in result["parameter"].values.tolist() if n in step.slider.values]
         sliders.append(step.slider.replace(**{name: float(result[name]) for name in names}))
-    longest = max(float(getattr(one, D)) for one in sliders for D in one.friction_law.lengths)
+    lengths = [getattr(slider, D) for slider in sliders for D in slider.friction_law.lengths]
     start = steps[0].settings.start
-    if start == "auto" and steps[0].window.slip_since_change < STEADY_SLIP * longest:
+    if start == "auto" and steps[0].window.slip_since_change < STEADY_SLIP * max(lengths):
         start = "free"
     return [
         step._replace(settings=step.settings._replace(sliders=[slider], start=start))
@@ -221,10 +224,10 @@ def fit_window(steps, adjust=lambda inference: inference):
     return [fit_window([step], adjust)[0]._replace(no_posterior=reason) for step in steps]
 
 
-def fit_stress_step(step, others, shared):
+def fit_stress_step(step, load_steps, shared):
     """Return the `Step` of normal stress with its fit, in which alpha alone is free.
 
-    others : fitted `Step`s of the load point under the same law; the mean of their K is held
+    load_steps : fitted `Step`s of the load point under the same law; the mean of their K is held
     shared : their `Shared`, or None
 
     The errors of held parameters widen the interval of alpha, to first order.
@@ -232,7 +235,7 @@ def fit_stress_step(step, others, shared):
     held, covariance = {}, np.zeros((0, 0))
     if shared is not None:
         held, covariance = dict(zip(shared.names, shared.point, strict=True)), shared.covariance
-    K, error, _ = mean_of(*estimates_of(others, "K"))
+    K, error, _ = mean_of(*estimates_of(load_steps, "K"))
     if np.isfinite(K):
         held["K"], covariance = K, scipy.linalg.block_diag(covariance, error**2)
     values = {name: float(to_value(name, x)) for name, x in held.items()}
