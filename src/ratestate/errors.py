@@ -14,7 +14,7 @@
     UserWarning
     |-- FitWarning                              a fit that may be unreliable
     |-- RecordWarning                           rows of a record left out, or odd
-    `-- RunWarning                              a run without visible motion, or a slow one
+    `-- RunWarning                              a run without visible motion
 """
 
 
@@ -68,6 +68,8 @@ def _ended(text):
 class MissingFileError(ParameterError, FileNotFoundError):
     """A file that is to be read does not exist.
 
+    The attributes errno, filename and strerror of FileNotFoundError are None.
+
     Attributes
     ----------
     problem, remedy, symbol, value, unit, sentence : str
@@ -106,7 +108,7 @@ class QuasiStaticInstability(SolverError):
     Attributes
     ----------
     best : xarray.Dataset or None
-        From `simulate`, the run up to that time.
+        From `simulate`, the run up to that time; None from other functions.
     """
 
 
@@ -129,4 +131,4 @@ class RecordWarning(UserWarning):
 
 
 class RunWarning(UserWarning):
-    """A run starts exactly in unstable steady sliding, or its law is slow to compute."""
+    """A run starts exactly in unstable steady sliding, and nothing disturbs it."""

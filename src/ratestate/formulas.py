@@ -1,7 +1,7 @@
 """Closed forms, in SI units: friction, steady sliding and its stability, motion without mass.
 
-The functions take floats, NumPy arrays and named DataArrays.  Ranges are not checked: a value out
-of range gives inf or NaN, or ZeroDivisionError for floats.
+The functions take floats, NumPy arrays and named DataArrays in SI, neither strings nor lists.
+Ranges are not checked: a value out of range gives inf, NaN, or ZeroDivisionError.
 
 Friction (eqs 1-3):
 
@@ -61,21 +61,21 @@ def friction(V, theta, *, a, b, mu0, V0, Dc):
 
     Parameters
     ----------
-    V : float, array or DataArray
+    V : float, ndarray or DataArray
         Slip velocity [m/s], > 0.
-    theta : float, array or DataArray
+    theta : float, ndarray or DataArray
         State [s], > 0.
-    a, b, mu0 : float, array or DataArray
+    a, b, mu0 : float, ndarray or DataArray
         Direct effect, evolution effect, friction in steady sliding at V0 [1].
-    V0 : float, array or DataArray
+    V0 : float, ndarray or DataArray
         Reference velocity [m/s].
-    Dc : float, array or DataArray
+    Dc : float, ndarray or DataArray
         Critical slip distance [m].
 
     Returns
     -------
-    float, array or DataArray
-        mu [1], in the shape that the arguments broadcast to.
+    float, ndarray or DataArray
+        mu [1], in the shape that the arguments broadcast to; -inf if V or theta is 0.
     """
     return mu0 + a * np.log(V / V0) + b * np.log(V0 * theta / Dc)
 
@@ -85,17 +85,17 @@ def friction_partials(V, theta, *, a, b):
 
     Parameters
     ----------
-    V, theta : float, array or DataArray
+    V, theta : float, ndarray or DataArray
         Slip velocity [m/s] and state [s], > 0.
-    a, b : float, array or DataArray
+    a, b : float, ndarray or DataArray
         Direct and evolution effect [1].
 
     Returns
     -------
-    dmu_dV : float, array or DataArray
-        Derivative with respect to V [s/m], in the shape that the arguments broadcast to.
-    dmu_dtheta : float, array or DataArray
-        Derivative with respect to theta [1/s].
+    dmu_dV : float, ndarray or DataArray
+        Derivative with respect to V [s/m], in the shape that a and V broadcast to.
+    dmu_dtheta : float, ndarray or DataArray
+        Derivative with respect to theta [1/s], in the shape that b and theta broadcast to.
     """
     return a / V, b / theta
 
@@ -107,24 +107,25 @@ def dtheta_dt(V, theta, *, Dc, law):
 
     Parameters
     ----------
-    V : float, array or DataArray
+    V : float, ndarray or DataArray
         Slip velocity [m/s], >= 0.
-    theta : float, array or DataArray
+    theta : float, ndarray or DataArray
         State [s], > 0.
-    Dc : float, array or DataArray
+    Dc : float, ndarray or DataArray
         Critical slip distance [m].
     law : str
-        Friction law of one length.
+        Friction law: "slip", "aging", "prz", or a law of your own if d theta/dt depends on
+        V theta/Dc alone and its slope at V theta/Dc = 1 is -1.
 
     Returns
     -------
-    float, array or DataArray
+    float, ndarray or DataArray
         d theta/dt [1], in the shape that the arguments broadcast to.
 
     Raises
     ------
     ParameterError
-        If the law is unknown, or has other parameters than Dc.
+        If the law is unknown or another one.
     """
     omega = V * theta / Dc
     # Omega ln(Omega) -> 0 as Omega -> 0, so the smallest float replaces 0 in the logarithm
@@ -137,24 +138,25 @@ def dtheta_dt_partials(V, theta, *, Dc, law):
 
     Parameters
     ----------
-    V, theta : float, array or DataArray
+    V, theta : float, ndarray or DataArray
         Slip velocity [m/s] and state [s], > 0.
-    Dc : float, array or DataArray
+    Dc : float, ndarray or DataArray
         Critical slip distance [m].
     law : str
-        Friction law of one length.
+        Friction law: "slip", "aging", "prz", or a law of your own if d theta/dt depends on
+        V theta/Dc alone and its slope at V theta/Dc = 1 is -1.
 
     Returns
     -------
-    d_dV : float, array or DataArray
+    d_dV : float, ndarray or DataArray
         Derivative with respect to V [s/m], in the shape that the arguments broadcast to.
-    d_dtheta : float, array or DataArray
+    d_dtheta : float, ndarray or DataArray
         Derivative with respect to theta [1/s].
 
     Raises
     ------
     ParameterError
-        If the law is unknown, or has other parameters than Dc.
+        If the law is unknown or another one.
     """
     # both follow from the derivative by v = ln(V/V0), at V0 = V, where psi = ln(omega)
     omega = V * theta / Dc
@@ -165,26 +167,26 @@ def dtheta_dt_partials(V, theta, *, Dc, law):
 def _one_length(law):
     """Return the law with this name; ParameterError unless it is of one length."""
     if not (instance := friction_law(law)).one_length:
-        names = " and ".join(map(repr, one_length_laws()))
+        names = " or ".join(map(repr, one_length_laws()))
         raise ParameterError(
-            "has other parameters than Dc", f"Choose {names}.", symbol="law", value=repr(law)
+            "has no closed forms", f"Choose {names}.", symbol="law", value=repr(law)
         )
     return instance
 
 
 def theta_ss(V, *, Dc):
-    """Return the state in steady sliding at V under laws of one length, Dc/V.
+    """Return the state in steady sliding at V under the slip or aging law, Dc/V.
 
     Parameters
     ----------
-    V : float, array or DataArray
+    V : float, ndarray or DataArray
         Slip velocity [m/s].
-    Dc : float, array or DataArray
+    Dc : float, ndarray or DataArray
         Critical slip distance [m].
 
     Returns
     -------
-    float, array or DataArray
+    float, ndarray or DataArray
         theta_ss [s], in the shape that the arguments broadcast to.
     """
     return Dc / V
@@ -195,16 +197,16 @@ def mu_ss(V, *, a, b, mu0, V0):
 
     Parameters
     ----------
-    V : float, array or DataArray
+    V : float, ndarray or DataArray
         Slip velocity [m/s].
-    a, b, mu0 : float, array or DataArray
+    a, b, mu0 : float, ndarray or DataArray
         Direct effect, evolution effect, friction in steady sliding at V0 [1].
-    V0 : float, array or DataArray
+    V0 : float, ndarray or DataArray
         Reference velocity [m/s].
 
     Returns
     -------
-    float, array or DataArray
+    float, ndarray or DataArray
         mu_ss [1], in the shape that the arguments broadcast to.
     """
     return mu0 + (a - b) * np.log(V / V0)

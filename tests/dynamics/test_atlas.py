@@ -128,7 +128,7 @@ def test_variables_of_an_atlas(charts, law):
     for name in whole:
         assert data[name].dims == ("eta", "K_over_K_c_qs")
         assert data[f"{name}_close"].dims == ("eta", "K_over_K_c")
-    for name in ("lyapunov_1", "type", "K_c_over_K_c_qs", "K_fold_over_K_c_qs"):
+    for name in ("lyapunov_1_Dc_over_V_lp", "type", "K_c_over_K_c_qs", "K_fold_over_K_c_qs"):
         assert data[name].dims == ("eta",)
     for name, variable in data.variables.items():
         assert {"units", "long_name"} <= set(variable.attrs), name
@@ -137,6 +137,7 @@ def test_variables_of_an_atlas(charts, law):
     assert [name.replace("_", " ") for name in meanings] == list(REGIMES)
     assert data.b_over_a == 2.0
     assert data.attrs["law"] == law
+    assert "eta_bautin" in str(rs.summary(data))
 
 
 @LAWS
@@ -164,7 +165,7 @@ def test_boundary_and_bifurcation(charts, law):
         strip = (data.eta > 1e-6) & (data.eta < turn_over)
         np.testing.assert_array_equal(data.K_fold_over_K_c_qs > data.K_c_over_K_c_qs, strip)
         assert 4 < strip.sum() < N
-    np.testing.assert_array_equal(data.lyapunov_1 < 0, data.type == "supercritical")
+    np.testing.assert_array_equal(data.lyapunov_1_Dc_over_V_lp < 0, data.type == "supercritical")
 
 
 def test_an_atlas_of_other_ranges():
@@ -250,6 +251,9 @@ def test_missing_parameters_of_an_atlas_are_named():
         ({"law": "two-state-slip", "b2": -3.0, "Dc2": 1.0}, "stable at any stiffness"),
         ({"law": "two-state-slip", "b2": 0.5, "Dc2": "10 um"}, "Dc2 = '10 um' is not a plain"),
         ({"law": "kato-tullis", "V_cut": 1.0, "M": "1 kg/m^2"}, "M = '1 kg/m\\^2' is not a plain"),
+        ({"law": "kato-tullis", "V_cut": 1.0, "M": 1e-3, "eta": (0.1, 1.0)}, "Leave eta out"),
+        ({"law": "slip", "eta": 3}, "eta = 3 is not a pair of numbers"),
+        ({"law": "slip", "K_over_K_c_qs": (1.0,)}, "such as K_over_K_c_qs=\\(0.1, 10\\)"),
         ({"law": "slip", "sigma": 2.0}, "sigma is not a parameter that law = 'slip' has beside"),
     ):
         with pytest.raises(ParameterError, match=said):

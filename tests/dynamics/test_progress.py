@@ -69,3 +69,11 @@ def test_a_function_of_the_user_replaces_the_bar():
         rs.orbit(FIG2, "3.2 mm/s")
     assert told
     assert told == sorted(told)
+
+
+@pytest.mark.parametrize(
+    "setting", [{"device": "gpu"}, {"threads": 0}, {"threads": 1.5}, {"threads": "2"}]
+)
+def test_impossible_settings_are_refused(setting):
+    with pytest.raises(rs.ParameterError, match=next(iter(setting))), rs.use(**setting):
+        pass

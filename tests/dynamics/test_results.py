@@ -90,3 +90,10 @@ def test_each_case_of_a_batch_is_as_by_itself(function, law):
                 )
             elif name != "steps":
                 np.testing.assert_array_equal(case[name], one[name], err_msg=name)
+
+
+@pytest.mark.parametrize("name", ["method", "loading", "area", "foo"])
+def test_what_is_not_a_recorded_parameter_is_refused(name):
+    result = run(slider("aging"), 1e-3)
+    with pytest.raises(rs.ParameterError, match=f"does not record {name}"):
+        parameter(result, name)

@@ -60,7 +60,7 @@ def test_only_under_the_slip_law_is_a_step_called_safe():
         (FIG2.replace(K=5e8), 1e-3, "unstable at every speed, because K < K_c_qs."),
         (FIG2, 3.1e-3, "stable at every speed below V_c = 3.162 mm/s."),
         (FIG2, 3.2e-3, "0.79 % below K_c = 907.2 MPa/m"),
-        (FIG2.replace(M=0.0), 3e-4, "by a factor of less than 2.5 never runs away. (The thresh"),
+        (FIG2.replace(M=0.0), 3e-4, "a finite time. A step up by a factor of less than 2.5 never"),
         (FIG2.replace(K=6e8), 1e-6, "unstable at every speed, because K <= K_c_qs."),
         (FIG2.replace(K=6e8), 1e-6, "inertia raises K_c by 5e-06 % of K_c_qs"),
         (FIG2.replace(K=6e8), 1e-6, "(largest Floquet multiplier 1 - 6.95e-07)"),
@@ -124,6 +124,13 @@ def test_the_verdict_on_a_search_that_was_stopped():
         .sentences[0]
         .endswith("is not known: the search was ended after 1 s.")
     )
+
+
+def test_a_cycle_of_another_kind_is_refused():
+    sweep = rs.limit_cycle(FIG2, rs.linspace("V_lp", 1e-3, 2e-3, 2))
+    for cycle in (3, sweep, rs.orbit(FIG2, 1e-3)):
+        with pytest.raises(rs.ParameterError, match="Leave cycle out"):
+            verdict(FIG2, 1e-3, cycle)
 
 
 def test_the_verdict_at_K_c_is_neither_stable_nor_unstable():

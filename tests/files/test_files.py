@@ -219,6 +219,12 @@ def test_a_zarr_with_other_files_is_not_replaced(kind, results, tmp_path):
     assert {one: one.is_file() and one.read_bytes() for one in path.rglob("*")} == before
 
 
+def test_an_empty_folder_is_replaced(results, tmp_path):
+    (tmp_path / "x.zarr").mkdir()
+    path = files.write(results["cycle"], tmp_path / "x.zarr")
+    assert files.read(path).identical(results["cycle"])
+
+
 def test_a_damaged_result_is_replaced(results, tmp_path):
     path = files.write(results["cycle"], tmp_path / "x.zarr")
     shutil.rmtree(path / "period")
@@ -470,3 +476,17 @@ def test_zarr_format_2_is_refused_and_runs_no_code(make, reader, tmp_path, monke
     with pytest.raises(StoreError, match=r"x\.zarr is in Zarr format 2"):
         reader(path)
     assert not ran.exists()
+
+
+@pytest.mark.parametrize(
+    "write",
+    [
+        lambda data: files.write(data, "a.nc"),
+        files.csv_text,
+        lambda data: files.laboratory_csv(data, "event"),
+    ],
+)
+@pytest.mark.parametrize("data", [3, xr.DataArray(3.0)])
+def test_only_datasets_are_written(write, data):
+    with pytest.raises(ParameterError, match=f"a {type(data).__name__} is not a result"):
+        write(data)

@@ -65,6 +65,8 @@ def test_sliders_are_frozen():
         slider.K = 1.0
     with pytest.raises(TypeError):
         SpringSlider(0.003, 0.006)
+    with pytest.raises(ParameterError, match=r"^SpringSlider needs b, Dc, sigma, K too\. Call"):
+        SpringSlider(a=0.003)
     with pytest.raises(ParameterError, match="viscosity"):
         slider.replace(viscosity=1.0)
 

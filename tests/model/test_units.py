@@ -87,6 +87,11 @@ def test_to_si_of_a_scalar_is_a_float(value):
     assert type(to_si("M", value)) is float
 
 
+class TwoLines:
+    def __repr__(self):
+        return "1\n2"
+
+
 REFUSED = [
     ("V_lp", "3.2 mm", "V_lp = '3.2 mm' is a length. Give a speed such as '3.2 mm/s'"),
     ("V_lp", "3.2", "V_lp = '3.2' has no unit. Give a speed"),
@@ -109,6 +114,7 @@ REFUSED = [
     ("M", np.True_, "is of type bool"),
     ("M", None, "M = None is of type NoneType. Give a mass per area"),
     ("M", 1j, "is of type complex"),
+    ("M", TwoLines(), "M = 1 2 is of type TwoLines. Give a mass per area"),
     ("M", [1.0, 2.0], "For many values give xarray.DataArray("),
 ]
 

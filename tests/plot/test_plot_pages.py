@@ -497,3 +497,40 @@ def test_labels_of_a_figure_without_layout_are_not_cut_off(tmp_path):
         fig.add_axes((0.0, 0.0, 1.0, 1.0)).set(ylabel=label)
         sizes.append(imread(plot.save(fig, tmp_path / "a.png")).shape)
     assert sizes[1][1] > sizes[0][1]
+
+
+def test_steady_sliding_beside_a_branch_is_stable_as_the_slider_says():
+    slider, V_lp = SLIDER.replace(damping=1e5), 1e-2
+    K_c = slider.K_c(V_lp)
+    assert K_c < 0.9 * SLIDER.K_c(V_lp)
+    branch = rs.continue_cycle(slider, "K", 1.02 * K_c, 0.9 * K_c, V_lp=V_lp, rtol=1e-6)
+    ax = plot.branch(branch, Figure().subplots())
+    ends = lines(ax, "steady sliding, unstable")[0][-1], lines(ax, "steady sliding, stable")[0][0]
+    np.testing.assert_allclose(ends, K_c, rtol=2e-4)
+
+
+def test_amplitudes_lie_along_V_lp():
+    cycles, ax = rs.limit_cycle(SLIDER, V_LP), Figure().subplots()
+    line = plot.amplitudes(cycles, ax, "frequency")
+    np.testing.assert_array_equal(line.get_xdata(), cycles.frequency)
+    with pytest.raises(ParameterError, match="x = 'M' is unknown"):
+        plot.amplitudes(cycles, ax, "M")
+    for other in (rs.limit_cycle(SLIDER.replace(M=MASS), 1e-2), None):
+        with pytest.raises(ParameterError, match="along V_lp alone"):
+            plot.amplitudes(other, ax)
+
+
+def test_maps_need_an_atlas():
+    ax, cycle = Figure().subplots(), rs.limit_cycle(SLIDER, 1e-2)
+    chart = rs.atlas(2.0, n=4, transition=False)
+    for function, data in ((plot.atlas, cycle), (plot.transition, chart)):
+        with pytest.raises(ParameterError, match=r"no variable regime.* ratestate\.atlas"):
+            function(data, ax)
+    with pytest.raises(ParameterError, match="no variable period along K_over_K_c_qs"):
+        plot.contours(chart, "period", ax, [1.0, 2.0])
+
+
+@pytest.mark.parametrize("name", ["a.svg", "a", "nowhere/a.png"])
+def test_pictures_have_a_known_ending_and_a_folder(name, tmp_path):
+    with pytest.raises(ParameterError, match=r"Give a name that ends in|Make "):
+        plot.save(Figure(), tmp_path / name)

@@ -230,3 +230,26 @@ def test_a_run_against_slip_begins_at_zero():
 def test_another_abscissa_is_refused():
     with pytest.raises(ParameterError, match=r"x = 'delt' is unknown.* Did you mean delta"):
         drawn(run_of(), x="delt")
+
+
+def test_the_phase_plane_shows_one_run():
+    ax = Figure().subplots()
+    line = plot.phase(run_of(), ax)
+    assert line in ax.lines
+    sweep = rs.simulate(SLIDER.replace(M=xr.DataArray([1.0, 2.0], dims="M")), STEP, 0.1)
+    for other, message in ((sweep, "dimension 'M'"), (None, "simulate")):
+        with pytest.raises(ParameterError, match=message):
+            plot.phase(other, ax)
+
+
+def test_times_are_counted_from_another_one():
+    run = run_of(t_end=0.06)
+    twice = plot.since(plot.since(rs.in_units(run, time="ms"), 0.02), 0.03)
+    np.testing.assert_allclose(twice.time, run.time - 0.05, atol=1e-15)
+    assert twice.attrs["t_zero"] == pytest.approx(0.05)
+    times = xr.DataArray([[0.0, 0.06], [0.0, 0.05]], dims=("M", "time"))
+    slider = SLIDER.replace(M=xr.DataArray([1.0, 2.0], dims="M"))
+    own = rs.simulate(slider, STEP, 0.06, times=times)
+    np.testing.assert_allclose(plot.since(own, 0.05).t, times - 0.05)
+    with pytest.raises(ParameterError, match="simulate"):
+        plot.since(xr.Dataset(), 0.0)

@@ -1,5 +1,7 @@
 """Tables of results in terminals of any width."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -201,3 +203,9 @@ def test_units_of_the_variables_are_read(found, units):
     """The report on a result does not depend on the units of its variables."""
     result = found()
     assert str(rs.summary(rs.in_units(result, **units))) == str(rs.summary(result))
+
+
+def test_single_values_of_other_functions_are_listed_with_their_texts(cycle):
+    text = str(rs.summary(rs.classify(cycle)))
+    assert re.search(r"^regime +quasi-harmonic ", text, re.MULTILINE)
+    assert re.search(r"^eta +5 ", text, re.MULTILINE)

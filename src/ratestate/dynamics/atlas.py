@@ -43,8 +43,8 @@ def atlas(
 ):
     """Compute limit cycles and regimes over K/K_c_qs and eta, and how sliding loses stability.
 
-    Under a law that has a speed among its parameters, such as flash heating, the axes are K and
-    V_lp.
+    Under a law that has a speed among its parameters, such as ``kato-tullis``, V_lp from 1e-6 to
+    1e4 takes the place of eta.
 
     Parameters
     ----------
@@ -57,9 +57,10 @@ def atlas(
     rtol : float
         Relative accuracy of the cycles.
     eta, K_over_K_c_qs : pair of float
-        First and last value along the axes, to map a part only.
+        First and last value along the axes, > 0, to map a part only.  Under a law with a speed eta
+        cannot be given.
     transition : bool
-        Whether to add columns close to K_c, half as many as n.
+        Whether to add columns close to K_c, half as many as n, but at least 2.
     M : float
         Mass, >= 0, in units in which it equals eta at V_lp = 1.  Only for a law with a speed among
         its parameters.
@@ -72,17 +73,20 @@ def atlas(
     xarray.Dataset
         - Along ``eta`` and ``K_over_K_c_qs``: ``amplitude_over_a``, ``slip_per_cycle`` (V_lp
           period/Dc), ``frequency_over_f_n``, ``V_max_over_V_lp``, ``inertia``, ``fundamental``,
-          ``slow_fraction``, ``regime`` (int8 with CF flags) and ``agree`` (see
-          `ratestate.classify`) and ``status`` of the cycle that `limit_cycle` reaches.
+          ``slow_fraction`` and ``status`` of the cycle that `limit_cycle` reaches.  In steady
+          sliding amplitude_over_a, inertia and slow_fraction are 0, V_max_over_V_lp is 1, and the
+          other numbers are NaN.
+        - Along the same axes: ``regime`` (int8: 0 steady, 1 slow stick-slip, 2 stick-slip,
+          3 quasi-harmonic, 4 unknown) and ``agree`` (see `ratestate.classify`).
         - With `transition`, the same with the suffix ``_close`` along ``eta`` and ``K_over_K_c``
           below 1.
-        - Along ``eta``: ``K_c_over_K_c_qs``, ``lyapunov_1`` [V_lp/Dc] and ``type`` of the Hopf
+        - Along ``eta``: ``K_c_over_K_c_qs``, ``lyapunov_1_Dc_over_V_lp`` and ``type`` of the Hopf
           bifurcation at this eta.
         - Along ``eta``: ``K_fold_over_K_c_qs``, the largest stiffness at which a limit cycle
           coexists with stable steady sliding.  It is NaN if none does, or if d theta/dt depends on
           more than V theta/Dc.
-        - ``eta_bautin``, where the type changes.  It is NaN if the type does not change, or if d
-          theta/dt depends on more than V theta/Dc.
+        - Scalar ``eta_bautin``: eta at which the type changes.  It is NaN if the type does not
+          change, or if d theta/dt depends on more than V theta/Dc.
 
         Under a law with a speed among its parameters, ``V_lp`` replaces ``eta``, which becomes a
         coordinate along ``V_lp``.  K_c_qs is then the largest at any of these speeds.
@@ -91,9 +95,9 @@ def atlas(
     ------
     ParameterError
         If the law is unknown, or one of its parameters is missing or unknown.  If M is given for a
-        law without a speed, or missing for a law with one.  If b_over_a is not a number > 1, n not
-        an integer >= 2, or rtol out of range.  If steady sliding is stable at any stiffness, for
-        example because b2 < 0.
+        law without a speed, or missing for a law with one, or eta is given for a law with a speed.
+        If b_over_a is not a number > 1, n not an integer >= 2, eta or K_over_K_c_qs not a pair > 0,
+        or rtol out of range.  If steady sliding is stable at any stiffness, for example if b2 < 0.
 
     Examples
     --------
@@ -107,6 +111,9 @@ def atlas(
             raise refusal("atlas.parameter", law=friction.name, symbol=symbol)
         if not isinstance(value, int | float):
             raise refusal("atlas.number", symbol=symbol, value=value)
+    for symbol, ends in {"eta": eta, "K_over_K_c_qs": K_over_K_c_qs}.items():
+        if np.shape(ends) != (2,):
+            raise refusal("atlas.pair", symbol=symbol, value=ends)
     b_over_a = to_si("b_over_a", b_over_a)
     if is_array(b_over_a) or not b_over_a > 1:
         raise refusal("atlas.b_over_a", b_over_a=b_over_a)
@@ -117,6 +124,8 @@ def atlas(
     slider = SpringSlider(**units, b=b_over_a, M=mass, law=law, **parameters)
     if slider.friction_law.has_speed_scale != (M is not None):
         raise refusal(f"atlas.{'mass' if M is None else 'no_mass'}", law=slider.law)
+    if slider.friction_law.has_speed_scale and tuple(eta) != ETA:
+        raise refusal("atlas.no_eta", law=slider.law)
     sliders, V_lp, rows = _rows(slider, eta, n)
     ratio = logspace("K_over_K_c_qs", K_over_K_c_qs[0], K_over_K_c_qs[1], n)
     data = _map(sliders, V_lp, rows, ratio, transition, rtol)
@@ -181,10 +190,10 @@ def _transition(slider, V_lp, critical):
     critical : K_c/K_c_qs
     """
     point = hopf(slider, V_lp)
-    data = point[["lyapunov_1", "type"]].drop_vars(["M", "V_lp"], errors="ignore")
-    data["lyapunov_1"] = data.lyapunov_1 / V_lp
-    in_units = {"units": "1", "comment": "in units of V_lp/Dc"}
-    data["lyapunov_1"].attrs = attrs("lyapunov_1") | in_units
+    data = point[["type"]].drop_vars(["M", "V_lp"], errors="ignore")
+    name = "lyapunov_1_Dc_over_V_lp"
+    data[name] = (point.lyapunov_1 / V_lp).variable
+    data[name].attrs = attrs(name)
     data["K_c_over_K_c_qs"] = ("row", np.asarray(critical), attrs("K_c_over_K_c_qs"))
     fold, change = np.full(data.sizes["row"], np.nan), np.nan
     if slider.friction_law.one_length:

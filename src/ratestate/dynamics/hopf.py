@@ -51,14 +51,15 @@ def hopf(slider, V_lp=None):
     Returns
     -------
     xarray.Dataset
-        In the dimensions of all named DataArrays, at the bifurcation.  If V_lp is given, nothing
-        depends on K, and its dimensions are left out.
+        At the bifurcation, in the dimensions of the named DataArrays on which it depends.  If V_lp
+        is given, nothing depends on K.
 
-        - ``V_c`` [m/s], ``K_c`` [Pa/m] and ``eta`` [1] (eq. 7).
+        - ``V_c`` [m/s], ``K_c`` [Pa/m] and ``eta`` [1] (eq. 7).  V_c is V_lp if it was given, else
+          K_c is the slider's K.
         - ``omega_c`` [rad/s] and ``frequency`` [Hz] = omega_c/(2 pi).  Under laws of one length
           omega_c is (V/Dc) sqrt((b-a)/a) for any mass.
         - ``eigenvalue_3`` [1/s], the rate at which all other modes decay: -(1 + 1/eta) V/Dc under
-          laws of one length.
+          laws of one length, and so -inf without mass.
         - ``lyapunov_1`` [1/s].
         - ``type``: "supercritical", "subcritical", "degenerate" or "none".
         - ``amplitude_coefficient`` [1].  The amplitude of small cycles (max - min of tau/sigma) is
@@ -202,13 +203,13 @@ def bautin(law, b_over_a):
     ----------
     law : str
         Friction law of one length: d theta/dt depends only on V theta/Dc.
-    b_over_a : float or DataArray
+    b_over_a : float, 1-D array or DataArray
         b/a [1], > 1.
 
     Returns
     -------
     float or DataArray
-        eta [1]; NaN if the type never changes.
+        eta [1]; NaN if the type never changes.  An array gives a DataArray along ``b_over_a``.
 
     Raises
     ------

@@ -95,8 +95,8 @@ def provenance(function, slider, **settings):
 def parameter(result, symbol):
     """Return the value of a parameter or argument with which a result was computed.
 
-    Raises ParameterError if the result has lost its attributes, if they were altered, or if it
-    lacks the parameter.
+    Raises ParameterError if the result has lost its attributes, if they were altered, or if it does
+    not record the parameter, such as an area that was not given.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def parameter(result, symbol):
         return result[symbol]
     known = call | call["slider"]
     value = known.get(symbol, OPTIONAL.get(symbol))
-    if value is None:
+    if value is None or symbol not in (*QUANTITIES, "law", "friction_form"):
         raise refusal("attributes.no_parameter", symbol=symbol)
     if symbol == "law":
         law = result.coords.get("law")  # of a case of results that were joined

@@ -156,7 +156,7 @@ def frequency_response(slider, V_lp, frequency=None):
     frequency : float, str, pint.Quantity, array_like or DataArray, optional
         Frequency [Hz], > 0.  A list or 1-D array gets the dimension ``frequency``.  By default
         there are 60 frequencies per decade, the same for all cases of a sweep.  They extend by a
-        decade beyond V_lp/(2 pi Dc), f_n and the resonance on both sides.
+        decade or more, to a power of ten, on both sides of V_lp/(2 pi Dc), f_n and the resonance.
 
     Returns
     -------

@@ -42,20 +42,21 @@ class Verdict:
     stable : bool
         Whether steady sliding is stable: K > K_c.
     K_c, K_c_qs : float
-        Critical stiffness with inertia (eq. 6) and without [Pa/m]; negative if b < a.
+        Critical stiffness with inertia (eq. 6) and without [Pa/m]; 0 if b = a, negative if b < a.
     V_c, V_c_upper : float
         Critical velocity [m/s] (eq. 10), and the speed above which sliding is stable again.  V_c is
-        0 if sliding is unstable at any speed, and inf if it is stable at any speed.  V_c_upper is
-        inf if it does not exist.
+        0 if sliding is unstable at every speed, and inf if it is stable at every speed.  V_c_upper
+        is inf if it does not exist.
     eta : float
         Dynamic instability coefficient [1] (eq. 7).
     f_n : float
-        Natural frequency [Hz]; inf if none.
+        Natural frequency [Hz]; inf if M = 0 or K = inf.
     growth_rate, omega : float
         Growth rate [1/s] and frequency [rad/s] of the least stable disturbance of steady sliding.
+        The growth rate is negative if it decays, and omega is 0 if it does not oscillate.
     period, frequency, amplitude, V_max, V_min : float or None
-        Measures of the limit cycle [s, Hz, 1, m/s, m/s], or None if there is no cycle.  In steady
-        sliding amplitude is 0 and V_max = V_min = V_lp.
+        Measures of the limit cycle [s, Hz, 1, m/s, m/s], or None if there is no cycle.  But in
+        steady sliding amplitude is 0 and V_max = V_min = V_lp.
     returns : int or None
         Stress maxima in a period; None without a cycle.
     mu_min, reversal_margin : float or None
@@ -109,7 +110,10 @@ class Verdict:
 
     @property
     def fade(self):
-        """Number of cycles in which a small disturbance falls to a tenth; inf if it grows."""
+        """Number of cycles in which a small disturbance falls to a tenth.
+
+        It is inf if the disturbance grows, and None without a cycle.
+        """
         if self.multiplier is None:
             return None
         size = abs(self.multiplier)
@@ -155,7 +159,7 @@ def verdict(slider, V_lp, cycle=None):
     Returns
     -------
     Verdict
-        If the search for a cycle fails, its ``sentences`` say so.
+        If the search for a cycle fails, ``regime`` is "unknown", and ``sentences`` say why.
 
     Raises
     ------
@@ -178,6 +182,8 @@ def verdict(slider, V_lp, cycle=None):
             cycle = limit_cycle(slider, V_lp)
         except SolverError as error:
             cycle = error
+    elif not (isinstance(cycle, SolverError) or _is_one_cycle(cycle)):
+        raise refusal("verdict.cycle")
     cycle = in_si(cycle)
     steady = stability_call(slider, V_lp).run()
     of_sliding = "K_c K_c_qs V_c V_c_upper eta f_n growth_rate omega".split()
@@ -206,3 +212,9 @@ def verdict(slider, V_lp, cycle=None):
             values["K_fold"] = kappa * slider.a * slider.sigma / slider.Dc
     answer = Verdict(slider=slider, V_lp=V_lp, **values)
     return dataclasses.replace(answer, sentences=sentences(answer, reason))
+
+
+def _is_one_cycle(result):
+    """Return whether this is a result of `limit_cycle` for one slider and speed."""
+    title = getattr(result, "attrs", {}).get("title")
+    return title == "ratestate limit_cycle" and result["status"].ndim == 0

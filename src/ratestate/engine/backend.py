@@ -6,6 +6,11 @@ import threading
 from collections.abc import Callable
 from typing import NamedTuple
 
+from ..errors import ParameterError
+
+#: where kernels can run
+DEVICES = ("cpu", "cuda")
+
 
 class Backend(NamedTuple):
     """Settings of kernels; `use` describes them."""
@@ -20,7 +25,7 @@ _current: contextvars.ContextVar[Backend] = contextvars.ContextVar("backend")
 
 
 class Stopped(Exception):
-    """A calculation was stopped because the event given to `use` was set."""
+    """The event given to `use` has stopped a calculation (this is not a `RateStateError`)."""
 
 
 def current():
@@ -39,20 +44,22 @@ def check_stopped():
 def use(*, threads=None, stop=None, device="cpu", progress=None):
     """Set threads, device, a stop event or progress for calculations in a ``with`` block.
 
-    A setting that is left out has its default, whatever an enclosing `use` says.  The device is not
-    checked here: `sweep` does that.
+    A setting that is left out has its default, whatever an enclosing `use` says.  The settings hold
+    in this thread, and not for `sweep`, which has arguments of its own.
 
     Parameters
     ----------
     threads : int, optional
-        Number of threads; by default one per core.
+        Number of threads, at least 1; by default one per core.
     stop : threading.Event, optional
         Ends the calculations: they raise `Stopped` some milliseconds after it is set, unless they
         are done before.
     device : {"cpu", "cuda"}, optional
-        Where sweeps run; by default "cpu".
+        Where motions and cycles are computed; by default "cpu".  Without an NVIDIA GPU "cuda"
+        raises `ParameterError` when something is computed.
     progress : callable, optional
-        Called with the fraction done (0 to 1), in place of a progress bar.
+        Called with the fraction done (0 to 1), in place of a progress bar; not called if a
+        calculation is short.
 
     Yields
     ------
@@ -70,6 +77,11 @@ def use(*, threads=None, stop=None, device="cpu", progress=None):
     Traceback (most recent call last):
     ratestate.engine.backend.Stopped
     """
+    if device not in DEVICES:
+        problem = f"is unknown. Choose one of {', '.join(DEVICES)}"
+        raise ParameterError(problem, symbol="device", value=repr(device))
+    if threads is not None and not (isinstance(threads, int) and threads >= 1):
+        raise ParameterError("must be an integer >= 1", symbol="threads", value=repr(threads))
     token = _current.set(Backend(threads, stop, device, progress))
     try:
         yield

@@ -6,6 +6,7 @@
 from pathlib import Path
 
 from ..errors import MissingFileError, ParameterError, RateStateError
+from ..model.conversion import check_result
 from ..records.reading.read import Attempt, try_reading
 from ..records.reading.titles import EXAMPLE_UNIT
 from .csv_tables import csv_text, laboratory_csv
@@ -38,8 +39,8 @@ def write(data, path):
         A result of any function.
     path : str or Path
         File, whose name ends in .nc (NetCDF 4; complex variables as two, NAME_real and NAME_imag),
-        .csv (see `csv_text`) or .zarr (a folder).  A file of this name is replaced, and so is a
-        folder that `write` made, unless it has other files.  Permissions and links are kept.
+        .csv (see `csv_text`) or .zarr (a folder).  A .nc or .csv of this name is replaced, and so
+        is a .zarr that `write` made, unless it has other files.  Permissions and links are kept.
 
     Returns
     -------
@@ -49,10 +50,12 @@ def write(data, path):
     Raises
     ------
     ParameterError
-        If the ending is none of these, or if `path` is a folder that `write` did not make.
+        If data is not a Dataset, the ending is none of these, the folder of the file does not
+        exist, or `path` is a folder that `write` did not make, or a .zarr that is a file.
     OSError
         If the file cannot be written.  A previous file stays as it was.
     """
+    check_result(data)
     path = checked_path(path, NUMBERS)
     writer, _ = FORMATS[path.suffix.lower()]
     return replace(path, lambda partial: writer(data, partial))

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 
 from ..errors import ParameterError
-from ..model.conversion import in_si
+from ..model.conversion import check_result, in_si
 from ..model.names import one_of
 from ..model.quantities import QUANTITIES
 from ..model.units import unit_factor
@@ -28,13 +28,14 @@ def csv_text(data):
     """Return a result as CSV: a header such as ``time [s],mu``, then a row for each time or case.
 
     Single numbers, such as ``status`` of a run, are left out.  If a result has only single numbers,
-    they are written as one row.  Numbers are exact, missing values are empty, and True and False
-    are 1 and 0.  A complex number takes two columns, ``NAME.real`` and ``NAME.imag``.
+    they are written as one row.  Numbers are exact, in the units of the result.  Missing values are
+    empty, and True and False are 1 and 0.  A complex number takes two columns, ``NAME.real`` and
+    ``NAME.imag``.  Eigenvalues and multipliers have columns for each, such as ``NAME[0].real``.
 
     Parameters
     ----------
     data : xarray.Dataset
-        A result of any function.
+        A result of any function.  Anything but a Dataset raises ParameterError.
 
     Returns
     -------
@@ -43,6 +44,7 @@ def csv_text(data):
     """
     import pandas
 
+    check_result(data)
     rows = [dim for dim in data.sizes if dim not in (*COLUMN_DIMS, RECORD)]
     sizes = {dim: data.sizes[dim] for dim in rows}
     first = {dim: data[dim].variable for dim in rows if dim in data.variables}
@@ -78,8 +80,9 @@ def laboratory_csv(data, dim, units=None):
 
     A heading is the name of the variable without underscores.  Each quantity has one unit in all
     tables: speeds um/s, stresses MPa, stiffness GPa/m, lengths um, displacements of the load point
-    mm, times s.  The next column is its standard error, the variable ``NAME_error``.  Flags are
-    written as their meanings.  The lines of a text are joined by " | ".  Missing values are empty.
+    mm, times s.  The next column is its standard error, the variable ``NAME_error``.  Numbers have
+    ten digits.  Flags are written as their meanings, and True and False as words.  The lines of a
+    text are joined by " | ".  Missing values are empty.
 
     Parameters
     ----------
@@ -98,10 +101,12 @@ def laboratory_csv(data, dim, units=None):
     Raises
     ------
     ParameterError
-        If no variable lies along the dimension, or a unit belongs to no variable or does not fit.
+        If data is not a Dataset, no variable lies along the dimension, or a unit belongs to no
+        variable or does not fit.
     """
     import pandas
 
+    check_result(data)
     data, units = in_si(data), dict(units or {})
     names = [name for name, variable in data.variables.items() if variable.dims == (dim,)]
     if not names:

@@ -136,7 +136,9 @@ def writing(path):
 
 
 def _is_replaceable(path):
-    """Return whether a folder holds a result that `write` made, and nothing but its files."""
+    """Return whether a folder holds nothing, or only the files of a result that `write` made."""
+    if not any(path.iterdir()):
+        return True
     try:
         names = json.loads(json.loads((path / METADATA).read_text())["attributes"][DIGESTS])
     except (OSError, ValueError, KeyError, TypeError):

@@ -60,14 +60,14 @@ def eta(V, *, a, Dc, sigma, M):
 
     Parameters
     ----------
-    V : float, array or DataArray
+    V : float, ndarray or DataArray
         Slip velocity [m/s].
-    a, Dc, sigma, M : float, array or DataArray
+    a, Dc, sigma, M : float, ndarray or DataArray
         Direct effect [1], critical slip distance [m], normal stress [Pa], mass per area [kg/m^2].
 
     Returns
     -------
-    float, array or DataArray
+    float, ndarray or DataArray
         eta [1], in the shape that the arguments broadcast to.
     """
     return M * V**2 / (sigma * a * Dc)
@@ -92,20 +92,20 @@ def K_c_qs(*, a, b, Dc, sigma):
 def K_c(V, *, a, b, Dc, sigma, M):
     """Return the critical stiffness for sliding at V (eq. 6).
 
-    K_c = K_c_qs (1 + eta).  Steady sliding is unstable if K < K_c.
+    K_c = K_c_qs (1 + eta), for the slip or aging law.  Steady sliding is unstable if K < K_c.
 
     Parameters
     ----------
-    V : float, array or DataArray
+    V : float, ndarray or DataArray
         Slip velocity [m/s].
-    a, b, Dc, sigma, M : float, array or DataArray
+    a, b, Dc, sigma, M : float, ndarray or DataArray
         Direct and evolution effect [1], critical slip distance [m], normal stress [Pa], mass
         per area [kg/m^2].
 
     Returns
     -------
-    float, array or DataArray
-        K_c [Pa/m], in the shape that the arguments broadcast to.
+    float, ndarray or DataArray
+        K_c [Pa/m], in the shape that the arguments broadcast to; negative if b < a.
     """
     return K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma) * (1 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M))
 
@@ -133,15 +133,15 @@ def K_c_of_any_law(V, *, Dc, M, dtau_ss_dV, dtau_dV):
 
     Parameters
     ----------
-    V, Dc, M : float, array or DataArray
+    V, Dc, M : float, ndarray or DataArray
         Speed [m/s], critical slip distance [m], mass per area [kg/m^2].
-    dtau_ss_dV, dtau_dV : float, array or DataArray
+    dtau_ss_dV, dtau_dV : float, ndarray or DataArray
         Slope of the steady-state stress, and of the stress at constant state [Pa s/m], at V.
 
     Returns
     -------
-    float, array or DataArray
-        K_c [Pa/m], in the shape that the arguments broadcast to.
+    float, ndarray or DataArray
+        K_c [Pa/m], in the shape that the arguments broadcast to; negative if dtau_ss_dV > 0.
     """
     return -V * dtau_ss_dV / Dc * (1 + M * V / (Dc * dtau_dV))
 
@@ -152,13 +152,13 @@ def V_c(*, a, b, Dc, sigma, K, M):
 
     Parameters
     ----------
-    a, b, Dc, sigma, K, M : float, array or DataArray
+    a, b, Dc, sigma, K, M : float, ndarray or DataArray
         Direct and evolution effect [1], critical slip distance [m], normal stress [Pa], stiffness
         per area [Pa/m], mass per area [kg/m^2].
 
     Returns
     -------
-    float, array or DataArray
+    float, ndarray or DataArray
         V_c [m/s], in the shape that the arguments broadcast to.  It is 0 if sliding is
         unstable at any speed (K <= K_c_qs, to rounding).  It is inf if sliding is stable at any
         speed (b <= a, K = inf, or M = 0 with K > K_c_qs).
@@ -175,12 +175,12 @@ def f_n(*, K, M):
 
     Parameters
     ----------
-    K, M : float, array or DataArray
+    K, M : float, ndarray or DataArray
         Stiffness [Pa/m] and mass [kg/m^2] per area.
 
     Returns
     -------
-    float, array or DataArray
+    float, ndarray or DataArray
         f_n [Hz], in the shape that the arguments broadcast to; inf if M = 0 or K = inf.
     """
     with np.errstate(divide="ignore"):
@@ -193,14 +193,14 @@ def omega_c(V, *, a, b, Dc):
 
     Parameters
     ----------
-    V : float, array or DataArray
+    V : float, ndarray or DataArray
         Slip velocity [m/s].
-    a, b, Dc : float, array or DataArray
+    a, b, Dc : float, ndarray or DataArray
         Direct and evolution effect [1], critical slip distance [m].
 
     Returns
     -------
-    float, array or DataArray
+    float, ndarray or DataArray
         omega_c [rad/s], in the shape that the arguments broadcast to.  It does not depend on the
         mass.  It is NaN if b <= a, because there is no bifurcation.
     """
@@ -209,13 +209,13 @@ def omega_c(V, *, a, b, Dc):
 
 @elementwise("mode")
 def eigenvalues(V, *, a, b, Dc, sigma, K, M):
-    """Return the eigenvalues of steady sliding at V under laws of one length.
+    """Return the eigenvalues of steady sliding at V under the slip or aging law.
 
     Parameters
     ----------
-    V : float, array or DataArray
+    V : float, ndarray or DataArray
         Slip velocity [m/s].
-    a, b, Dc, sigma, K, M : float, array or DataArray
+    a, b, Dc, sigma, K, M : float, ndarray or DataArray
         Direct and evolution effect [1], critical slip distance [m], normal stress [Pa], stiffness
         per area [Pa/m], mass per area [kg/m^2].
 

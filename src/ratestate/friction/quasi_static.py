@@ -66,18 +66,18 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
 
     Parameters
     ----------
-    V, theta : float, array or DataArray
+    V, theta : float, ndarray or DataArray
         Slip velocity [m/s] and state [s], > 0.
-    V_lp : float, array or DataArray
+    V_lp : float, ndarray or DataArray
         Load-point velocity [m/s], which must stay constant.
-    a, b, Dc, sigma, K : float, array or DataArray
+    a, b, Dc, sigma, K : float, ndarray or DataArray
         Friction parameters [1, 1, m], normal stress [Pa], stiffness per area [Pa/m].
     law : str
         Friction law, slip or aging.
 
     Returns
     -------
-    float, array or DataArray
+    float, ndarray or DataArray
         E [1], >= 0.  Under the slip law E is inf if z >= 1.  Then V grows without bound if
         K <= K_c_qs, and may do so otherwise.
 
@@ -108,20 +108,20 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
 def period(E, *, V_lp, a, b, Dc):
     """Return the period of sliding without inertia at K = K_c_qs, slip or aging law.
 
-    It is 2 pi/omega_c for small excursions and grows with E.  The slip per cycle is V_lp times the
-    period.
+    It is 2 pi/omega_c for small excursions (see `omega_c`) and grows with E.  The slip per cycle is
+    V_lp times the period.
 
     Parameters
     ----------
-    E : float, array or DataArray
+    E : float, ndarray or DataArray
         Excursion [1], see `excursion`.  Up to 100 the period is accurate to 1e-9.  Values smaller
         than 1e-10, negative ones too, count as 1e-10.
-    V_lp, a, b, Dc : float, array or DataArray
+    V_lp, a, b, Dc : float, ndarray or DataArray
         Load-point velocity [m/s], friction parameters [1, 1, m].
 
     Returns
     -------
-    float, array or DataArray
+    float, ndarray or DataArray
         Period [s]; inf if E is inf, else NaN if b <= a (K_c_qs does not exist) or E is NaN.
     """
     c = np.where(b > a, b / a - 1, np.nan)[..., None]
@@ -143,12 +143,12 @@ def runaway_step(*, a, b):
 
     Parameters
     ----------
-    a, b : float, array or DataArray
+    a, b : float, ndarray or DataArray
         Direct and evolution effect [1].
 
     Returns
     -------
-    float, array or DataArray
+    float, ndarray or DataArray
         V_lp/V [1], in the shape that the arguments broadcast to; inf if b <= a.
     """
     with np.errstate(divide="ignore"):
@@ -164,14 +164,15 @@ def runaway_step_lower_bound(*, a, b, Dc, sigma, K):
 
     Parameters
     ----------
-    a, b, Dc, sigma, K : float, array or DataArray
+    a, b, Dc, sigma, K : float, ndarray or DataArray
         Direct and evolution effect [1], critical slip distance [m], normal stress [Pa], stiffness
         per area [Pa/m].
 
     Returns
     -------
-    float, array or DataArray
-        V_lp/V [1], in the shape that the arguments broadcast to; 1 if K < K_c_qs, inf if b <= a.
+    float, ndarray or DataArray
+        V_lp/V [1], in the shape that the arguments broadcast to; 1 if K < K_c_qs, inf if b <= a or
+        beyond double precision.
     """
     # With s = c/(r + c) and u = x + c v, no path crosses u = (b/a) r (1 - s exp(-v)) upwards
     # while v grows.  A step starts at u = 0, v = -ln(V_lp/V): below this curve if V_lp/V < 1/s.
@@ -191,14 +192,15 @@ def runaway_step_upper_bound(*, a, b, Dc, sigma, K):
 
     Parameters
     ----------
-    a, b, Dc, sigma, K : float, array or DataArray
+    a, b, Dc, sigma, K : float, ndarray or DataArray
         Direct and evolution effect [1], critical slip distance [m], normal stress [Pa], stiffness
         per area [Pa/m].
 
     Returns
     -------
-    float, array or DataArray
-        V_lp/V [1], in the shape that the arguments broadcast to; 1 if K < K_c_qs, inf if b <= a.
+    float, ndarray or DataArray
+        V_lp/V [1], in the shape that the arguments broadcast to; 1 if K < K_c_qs, inf if b <= a or
+        beyond double precision.
     """
     # While v < 0 < u the quantity (1 - x - c h(v)) exp(x) falls, from exp(cL) (b/a - c exp(L)) with
     # L = ln(V_lp/V), and at v = 0 it is (1 - x) exp(x).  Beyond v = 0 no path crosses

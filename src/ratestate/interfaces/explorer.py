@@ -22,21 +22,21 @@ def explorer_package():
 def explore(slider, V_lp):
     """Open the interactive explorer for a slider, in the browser or in a notebook.
 
-    A thread of this process serves the page on 127.0.0.1, which only this machine can reach.  The
-    thread ends with the page's method ``close``, or with the process.
+    A thread of this process serves all pages on 127.0.0.1, which only this machine can reach.
 
     Parameters
     ----------
     slider : SpringSlider
         One slider: no arrays.
-    V_lp : float or str
+    V_lp : float, str or pint.Quantity
         Load-point velocity, > 0 [m/s].
 
     Returns
     -------
     Page
-        The page.  ``url`` is its address, ``open`` shows it in the browser, ``save`` writes it as
-        one HTML file, and ``close`` ends it.
+        A notebook displays the page.  ``url`` is its address, ``open()`` shows it in the browser,
+        and ``save(path)`` writes it as one HTML file.  ``close()`` ends the thread, until the url
+        of a page is read again.
 
     Raises
     ------

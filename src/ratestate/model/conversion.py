@@ -30,7 +30,8 @@ def in_units(result, /, **units):
     ------
     ParameterError
         If the result has no variable of this name, if the variable is not a quantity with a unit
-        (``status``, for example), or if a unit is unknown or does not fit the quantity.
+        (``status``, or the gains and phases of `frequency_response`), or if a unit is unknown or
+        does not fit the quantity.  A pure number may become "%".
 
     Examples
     --------
@@ -40,12 +41,7 @@ def in_units(result, /, **units):
     >>> round(float(cycle.period), 2), cycle.period.units
     (19.76, 'ms')
     """
-    import xarray
-
-    if not isinstance(result, xarray.Dataset):
-        raise ParameterError(
-            f"a {type(result).__name__} is not a result", "Give an xarray.Dataset."
-        )
+    check_result(result)
     converted = {}
     for given, unit in units.items():
         if not isinstance(unit, str):
@@ -59,6 +55,16 @@ def in_units(result, /, **units):
             raise ParameterError(f"the result has no variable {given}", one_of(names, given))
         converted[name] = _convert_variable(name, result.variables[name], unit)
     return result.assign(converted)
+
+
+def check_result(result):
+    """Raise ParameterError if a result is not a Dataset."""
+    import xarray
+
+    if not isinstance(result, xarray.Dataset):
+        raise ParameterError(
+            f"a {type(result).__name__} is not a result", "Give an xarray.Dataset."
+        )
 
 
 def find_variable(result, name):

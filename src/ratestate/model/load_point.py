@@ -143,14 +143,14 @@ class LoadPoint:
 
         Parameters
         ----------
-        t : array, DataArray, float, str or pint.Quantity
+        t : float, str, pint.Quantity, sequence, array or DataArray
             Times from 0 to `t_last`, in any order.  Other times raise ParameterError.
 
         Returns
         -------
-        ndarray or DataArray
+        float, ndarray or DataArray
             Shape of t if no speed is a DataArray.  Otherwise the dimensions of the sweep, followed
-            by the dimensions of t (``time`` for a plain 1-D array).
+            by the dimensions of t (``time`` for a plain array, which must be 1-D).
         """
         V, rate, elapsed = self.speed.look_up(self._times_in_si(t), self.V, self.rate)
         return named("V_load", np.maximum(V + rate * elapsed, 0.0))  # < 0 by rounding
@@ -163,12 +163,12 @@ class LoadPoint:
 
         Parameters
         ----------
-        t : array, DataArray, float, str or pint.Quantity
+        t : float, str, pint.Quantity, sequence, array or DataArray
             As for `V_load`.
 
         Returns
         -------
-        ndarray or DataArray
+        float, ndarray or DataArray
             As from `V_load`.
         """
         columns = self.V, self.rate, self._displacements
@@ -180,15 +180,15 @@ class LoadPoint:
 
         Parameters
         ----------
-        t : array, DataArray, float, str or pint.Quantity
+        t : float, str, pint.Quantity, sequence, array or DataArray
             As for `V_load`.
         sigma : float, str, pint.Quantity or DataArray
             Normal stress of the slider [Pa], > 0, at t = 0.
 
         Returns
         -------
-        ndarray or DataArray
-            As from `V_load`.
+        float, ndarray or DataArray
+            As from `V_load`, with the dimensions of stresses in place of speeds.
         """
         t = self._times_in_si(t)
         return self._stress_history.with_sigma(to_si("sigma", sigma)).at(t)
@@ -201,8 +201,8 @@ class LoadPoint:
         Parameters
         ----------
         t : float, str or pint.Quantity
-            Time [s], from 0 to `t_last`.  If t is inf, sigma is the final normal stress, or its
-            mean if it has a sinusoid.
+            Time [s], from 0 to `t_last`.  If t is the float inf, sigma is the final normal stress,
+            or its mean if it has a sinusoid.
         slider : SpringSlider
             Slider with the normal stress at t = 0.
 

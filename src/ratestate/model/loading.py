@@ -24,11 +24,12 @@ class Loading(LoadPoint):
     Attributes
     ----------
     speed : History
-        Speed of the load point [m/s], with its attributes ``t``, ``V`` and ``rate``.
+        Speed of the load point [m/s].  `t`, `V` and `rate` of the loading have its segments.
     t_last : float
         End of the history [s]; inf unless the loading is a series or a sinusoid.
     normal_stress : History or None
-        History of the normal stress; None if it does not change.
+        Normal stress [Pa] at ``start`` and ``end`` of its segments from ``t`` on, NaN while it is
+        the slider's; None if it does not change.
     calls : tuple of Call
         The calls that made the loading, with their arguments as given.
 
@@ -90,7 +91,7 @@ class Loading(LoadPoint):
         ----------
         t : sequence of N >= 2 times
             Times [s], starting at 0 and not decreasing.  A time in two rows is a jump.  A time in
-            three rows is an error.
+            three rows, or a jump at the first or last time, is an error.
         V_lp : sequence of N speeds
             Speeds [m/s], >= 0; each may be a string with a unit or a named DataArray.
         sigma : sequence of N stresses, optional

@@ -130,8 +130,9 @@ def logspace(name, start, stop, n):
         Symbol of the quantity, for example "M" [kg/m^2] or "V_lp" [m/s].  Any other name makes an
         axis of pure numbers.
     start, stop : float, str or pint.Quantity
-        First and last value, both > 0, in SI if they have no unit.  Both are kept exactly.  For K,
-        M and sigma, any unit that `SpringSlider` takes is allowed, such as "1e-3/um" for K.
+        First and last value, both > 0, in SI if they have no unit.  Both are kept exactly, and the
+        first may be the larger one.  For K, M, sigma and damping, any unit that `SpringSlider`
+        takes is allowed, such as "1e-3/um" for K: the values are then in 1/m.
     n : int
         Number of values, at least 2.  Intermediate values are rounded to 15 digits, so that
         ``.sel(M=1000)`` finds the 1000 between 100 and 10000.
@@ -140,7 +141,8 @@ def logspace(name, start, stop, n):
     -------
     xarray.DataArray
         Array of shape (n,).  Its name, dimension and coordinate are all `name`.  The coordinate of
-        a known symbol has the attributes ``units`` and ``long_name``.
+        a known symbol has the attributes ``units`` and ``long_name``.  The array itself has
+        ``units`` only if they are not the SI unit of the symbol.
 
     Raises
     ------

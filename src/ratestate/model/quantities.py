@@ -152,14 +152,15 @@ def long_time_unit(seconds):
 def readable(symbol, value, digits=4):
     """Return a value [SI] as text that `ratestate.to_si` reads, with a suitable unit.
 
-    inf, NaN and values that are too small for any prefix have the SI unit.
+    inf, NaN and values that are too small for any prefix have the SI unit.  A pure number has no
+    unit.  `ratestate.to_si` refuses NaN.
 
     Parameters
     ----------
     symbol : str
-        Symbol of the quantity.
+        Symbol of the quantity, a key of ``ratestate.QUANTITIES``; others raise KeyError.
     value : float
-        Value in SI.
+        One value in SI.
     digits : int
         Significant digits.
 

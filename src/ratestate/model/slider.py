@@ -20,10 +20,11 @@ class SpringSlider(SliderParameters):
 
     The equation of motion is M dV/dt = tau - sigma mu - damping V.  The spring's stress is tau.
 
-    Every parameter is a number in SI, a string or pint quantity with a unit, or a named
-    xarray.DataArray.  Arrays broadcast by the names of their dimensions, which makes a sweep.  One
-    parameter may be a 1-D numpy array; its dimension has the parameter's name.  The attributes
-    are floats or DataArrays in SI.
+    Every parameter is a number in SI, a string or pint quantity with a unit, or an
+    xarray.DataArray with named dimensions, whose unit is its attribute ``units`` or SI.  Arrays
+    broadcast by the names of their dimensions, which makes a sweep.  One parameter may be a 1-D
+    NumPy array; its dimension has the parameter's name.  Attributes and methods give floats in SI,
+    or DataArrays with the dimensions of the parameters on which they depend.
 
     Parameters
     ----------
@@ -37,7 +38,8 @@ class SpringSlider(SliderParameters):
         Normal stress [Pa], > 0; its value at t = 0 if the loading changes it.
     K : float, str or DataArray
         Stiffness of the spring per area [Pa/m], > 0.  inf is the rigid limit, V = V_lp.  K may also
-        be friction per length, such as "1e-3/um".  It is then multiplied by sigma.
+        be friction per length, such as "1e-3/um".  It is then multiplied by sigma.  If sigma is an
+        array too, an axis called K is renamed as K_over_sigma.
     M : float, str or DataArray
         Mass per area [kg/m^2], >= 0.  The default, 0, is the quasi-static limit, or the
         quasi-dynamic limit if there is damping.
@@ -104,8 +106,8 @@ class SpringSlider(SliderParameters):
         dashpot : float, str or DataArray, optional
             Damping [N s/m], >= 0.
         **parameters
-            The other parameters of `SpringSlider`: a, b, Dc, mu0, V0, law, the law's parameters
-            and alpha.
+            The other parameters of `SpringSlider`: a, b, Dc, mu0, V0, alpha, law and friction_form,
+            and the parameters of these two.
 
         Returns
         -------
@@ -141,8 +143,9 @@ class SpringSlider(SliderParameters):
     def K_c_qs(self):
         """Quasi-static critical stiffness (M = 0) [Pa/m].
 
-        It is (b - a) sigma/Dc under the aging and slip laws.  Raises ParameterError if it depends
-        on the speed: with damping or cut-offs, and under laws with a characteristic speed.
+        It is (b - a) sigma/Dc under the aging and slip laws, negative if b < a.  Raises
+        ParameterError if it depends on the speed: with damping or cut-offs, and under laws with a
+        characteristic speed.
         """
         if self.friction_law.has_speed_scale:
             parts = self.friction_law.name.split(PART_MARK)[1:]
@@ -163,6 +166,7 @@ class SpringSlider(SliderParameters):
     def V_c_upper(self):
         """Velocity above V_c [m/s] at which steady sliding becomes stable again, or inf.
 
+        It is inf if V_c is inf, and under the slip and aging laws with eq. 1 and without damping.
         Under a law with a characteristic speed, it may become unstable again above V_c_upper.
         """
         return self._evaluate("V_c_upper", V_c, "V_c_upper", **self._values_of("sigma", "K", "M"))

@@ -32,6 +32,10 @@ def _check_names_first(init):
     def checked(self, *args, **given):
         law = resolve_law(given.get("law", DEFAULT))
         _check_names(type(self), law, form_of(law, given.get("friction_form")), given)
+        missing = [] if args else [name for name in REQUIRED if name not in given]
+        if missing:
+            names = {"missing": ", ".join(missing), "required": ", ".join(REQUIRED)}
+            raise refusal("call.missing", function="SpringSlider", **names)
         init(self, *args, **(given | {"law": law.name}))
 
     return checked
@@ -120,8 +124,9 @@ class SliderParameters:
         ----------
         **changes
             New values of parameters, as for `SpringSlider`.  The other parameters do not change:
-            K, M and sigma per area stay the same even if the area changes.  If the law or the form
-            of friction changes, parameters that only the old one has are left out.
+            K, M and sigma per area stay the same even if the area changes, and K even if sigma
+            changes.  If the law or the form of friction changes, parameters that only the old one
+            has are left out.
 
         Returns
         -------
@@ -201,6 +206,8 @@ class SliderParameters:
 
 #: names of the parameters that every slider has
 COMMON = tuple(field.name for field in dataclasses.fields(SliderParameters))
+#: parameters without a default
+REQUIRED = ("a", "b", "Dc", "sigma", "K")
 #: optional parameter -> its value in sliders that do not have it
 OPTIONAL: dict[str, Any] = {"area": None, "friction_form": LOG, "damping": 0.0, "alpha": 0.0}
 #: quantities that every motion depends on: a, b, Dc, sigma, K, M, mu0, V0.  Damping and the law's

@@ -90,14 +90,14 @@ def to_si(symbol, value, *, label=None, bound=None):
     Parameters
     ----------
     symbol : str
-        Symbol of the quantity.
+        Symbol of the quantity, a key of ``ratestate.QUANTITIES``; others raise KeyError.
     value : float, str, pint.Quantity, DataArray or ndarray
         The value; in SI if it is a number, or has no attribute ``units``.  A 1-D ndarray gets a
-        dimension with the name of the symbol.
+        dimension with the name of the symbol; with another label it is refused.
     label : str, optional
         Name of the value in messages; by default the symbol.
     bound : {"", "> 0", ">= 0"}, optional
-        Range of the value; by default the bound in `QUANTITIES`.
+        Range of the value; by default the bound in ``ratestate.QUANTITIES``.  "" allows all.
 
     Returns
     -------
@@ -108,7 +108,8 @@ def to_si(symbol, value, *, label=None, bound=None):
     Raises
     ------
     ParameterError
-        If type, unit or range are wrong, for NaN, and if a dimension has a reserved name.
+        If type, unit or range are wrong, for NaN, for inf unless the quantity may be infinite, and
+        if a dimension has no name or a reserved one.
     """
     label = label or symbol
     if is_plain_array(value) and label == symbol:
@@ -181,7 +182,7 @@ def _to_float(symbol, value, label):
         f"is of type {type(value).__name__}",
         QUANTITIES[symbol].remedy + array_hint,
         symbol=label,
-        value=reprlib.repr(value),
+        value=" ".join(reprlib.repr(value).split()),  # a line break would look like a list
     )
 
 

@@ -41,7 +41,8 @@ def register(law):
     str
         The name of the law with the first digits of a hash of its formula, such as
         "mine@1f6ac03b".  Results record this name.  The parameter ``law`` of `SpringSlider` accepts
-        this name, the class, or "mine", which means the last law registered under this name.
+        this name, the class, which it registers too, or "mine", which means the last law registered
+        under this name.
 
     Raises
     ------

@@ -3,9 +3,9 @@
 import numpy as np
 
 from ..dynamics.continuation.bifurcations import stable_pieces
-from ..dynamics.results import branch_parameter, contact_area, parameter
+from ..dynamics.results import branch_parameter, contact_area, law_of_result, parameter
 from ..errors import ParameterError
-from ..friction.closed_forms import K_c
+from ..friction.linear_stability import is_stable
 from ..model.conversion import in_si
 from ..model.quantities import QUANTITIES
 from .labels import AMPLITUDE, BLUE, DASHED, GRAY, LAWS, RED, fitting_unit, in_unit, name_and_symbol
@@ -29,7 +29,8 @@ MARKS = {
 def branch(data, ax=None, *, color=BLUE, label="cycle"):
     """Draw the amplitude of limit cycles along a branch, and steady sliding as amplitude 0.
 
-    Stable motions are solid lines, unstable motions dashed.  Special points are marked.
+    Stable motions are solid lines, unstable motions dashed.  Special points are marked.  The
+    abscissa is the parameter in SI; it is logarithmic if the parameter changes more than threefold.
 
     Parameters
     ----------
@@ -102,10 +103,7 @@ def _diagram(data, ax, factor, unit, color=BLUE, label="cycle", area=None):
     symbol = branch_parameter(data)
     x, amplitude, special = (data[name].values for name in (symbol, "amplitude", "special"))
     at = np.geomspace(x.min() / 1.05, x.max() * 1.05, 2001)
-    symbols = ("a", "b", "Dc", "sigma", "M", "K", "V_lp")
-    values = {s: parameter(data, s) for s in symbols if s != symbol} | {symbol: at}
-    K, V_lp = values.pop("K"), values.pop("V_lp")
-    stable = np.broadcast_to(K_c(V_lp, **values) < K, at.shape)[:-1]
+    stable = _steady_is_stable(data, symbol, at)[:-1]
     x, at = factor * x, factor * at
     _pieces(ax, at, np.zeros_like(at), stable, "k", _by_stability("steady sliding"))
     stable = stable_pieces(special, data.stable.values)
@@ -146,3 +144,11 @@ def _pieces(ax, x, y, stable, color, names=("", "")):
 def _new_label(ax, name):
     """The name for a legend, hidden from it where it stands there already."""
     return f"_{name}" if name in ax.get_legend_handles_labels()[1] else name
+
+
+def _steady_is_stable(data, symbol, at):
+    law = law_of_result(data)
+    symbols = ("sigma", "M", "K", "V_lp", *law.symbols)
+    values = {s: parameter(data, s) for s in symbols if s != symbol} | {symbol: at}
+    values = {s: np.broadcast_to(value, at.shape) for s, value in values.items()}
+    return is_stable(law, values.pop("V_lp"), **values)

@@ -111,7 +111,8 @@ def prefixed(unit, value):
     factor : float
         Factor by which to multiply a value in SI.
     text : str
-        The unit with its prefix, as a label writes it.
+        The unit with its prefix, as a label writes it, with the Greek letter for micro and powers
+        such as m$^2$; "" for a pure number.
 
     Examples
     --------
@@ -198,7 +199,7 @@ def value_text(symbol, value, unit_of=None, area=None):
     Parameters
     ----------
     symbol : str
-        Symbol of the quantity.
+        Symbol of the quantity, a key of ``ratestate.QUANTITIES``.
     value : float
         Value in SI.
     unit_of : float, optional

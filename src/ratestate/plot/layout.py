@@ -2,7 +2,6 @@
 
 from bisect import bisect_right
 from itertools import repeat
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,8 @@ from matplotlib.ticker import (
 )
 
 from ..dynamics.results import contact_area, parameter, slider_parameters
-from ..files import replace
+from ..files import checked_path, replace
+from ..files.place import PICTURES
 from ..model.slider_parameters import PARAMETERS
 from ..model.units import is_array
 from .labels import value_text
@@ -187,7 +187,8 @@ def save(fig, path):
         Figure to write.  If it has no layout, such as ``layout="constrained"``, the file is as
         large as the figure with all its labels.
     path : str or Path
-        File, whose name ends in .png (300 dpi) or .pdf.  An existing file is replaced.
+        File, whose name ends in .png (300 dpi) or .pdf.  An existing file is replaced.  For other
+        formats use the figure's ``savefig``.
 
     Returns
     -------
@@ -196,10 +197,12 @@ def save(fig, path):
 
     Raises
     ------
+    ParameterError
+        If the name has another ending, or if the folder does not exist.
     OSError
         If the file cannot be written.  An existing file stays as it was.
     """
-    path = Path(path)
+    path = checked_path(path, PICTURES)
     form: Any = (
         {"dpi": DPI} if path.suffix.lower() == ".png" else {"metadata": {"CreationDate": None}}
     )

@@ -5,6 +5,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.patches import Patch
 
 from ..dynamics.cycles.regimes import REGIMES
+from ..errors import ParameterError
 from .labels import RED, label
 
 #: colours of the regimes, in the order of `REGIMES`
@@ -22,7 +23,7 @@ def atlas(data, ax):
     Parameters
     ----------
     data : xarray.Dataset
-        From `ratestate.atlas`.
+        From `ratestate.atlas`; anything else raises ParameterError.
     ax : matplotlib.axes.Axes
         Axes to draw into.
 
@@ -30,8 +31,9 @@ def atlas(data, ax):
     -------
     list of matplotlib.artist.Artist
         Entries of a legend: the regimes that occur, and the curve K_c for each type of the Hopf
-        bifurcation.
+        bifurcation that occurs.
     """
+    _check(data, "regime", "K_over_K_c_qs")
     x, rows, _ = _contours(data, "V_max_over_V_lp", ax, 10.0 ** np.arange(1, 12), "0.35")
     ax.set_ylabel(ETA if rows.name == "eta" else label(rows.name))
     patches = _paint(ax, x, rows, data.regime)
@@ -44,15 +46,16 @@ def transition(data, ax):
     Parameters
     ----------
     data : xarray.Dataset
-        From `ratestate.atlas`.
+        From `ratestate.atlas` with ``transition=True``; anything else raises ParameterError.
     ax : matplotlib.axes.Axes
         Axes to draw into.
 
     Returns
     -------
-    list of matplotlib artists
+    list of matplotlib.artist.Artist
         Entries of a legend, one of each kind that was drawn.
     """
+    _check(data, "regime_close", "K_over_K_c")
     ax.set_xscale("symlog", linthresh=LINEAR, linscale=0.4)
     ax.set(yscale="log", xlim=(float(data.K_over_K_c[0]) - 1.0, 0.1))
     ax.set_xticks([-0.1, -1e-3, 0.0, 1e-3, 1e-2])
@@ -73,18 +76,30 @@ def contours(data, name, ax, levels):
     Parameters
     ----------
     data : xarray.Dataset
-        From `ratestate.atlas`.
+        From `ratestate.atlas`; anything else raises ParameterError.
     name : str
-        Name of the variable, such as "period".  Cases of steady sliding stay blank.
+        Name of a variable along ``K_over_K_c_qs``, such as "slip_per_cycle"; any other raises
+        ParameterError.  Cases of steady sliding stay blank.
     ax : matplotlib.axes.Axes
         Axes to draw into.
     levels : sequence of float
-        Values of the contours, increasing.  The colours go from the first to the last.
+        Values of the contours, > 0 and increasing.  The colours go from the first to the last.
     """
+    _check(data, name, "K_over_K_c_qs")
     x, rows, values = _contours(data, name, ax, levels, "w")
     style = {"cmap": "viridis", "shading": "nearest", "rasterized": True, "zorder": 0}
     ax.pcolormesh(x, rows, values, norm=LogNorm(levels[0], levels[-1]), **style)
     ax.plot(data.K_c_over_K_c_qs, rows, "k", lw=1.0)
+
+
+def _check(data, name, dim):
+    """Raise ParameterError unless a result of `atlas` has this variable along this dimension."""
+    if name not in getattr(data, "data_vars", ()) or dim not in data[name].dims:
+        how = " with transition=True" if dim == "K_over_K_c" else ""
+        raise ParameterError(
+            f"the result has no variable {name} along {dim}",
+            f"Give a result of ratestate.atlas{how}.",
+        )
 
 
 def _rows(data):

@@ -102,12 +102,13 @@ def force_axis(run, ax):
 def phase(run, ax, *, unit_of=None, **style):
     """Draw slip velocity against tau/sigma, with a cross at steady sliding.
 
-    The cross marks steady sliding at the last load-point speed > 0.
+    The cross marks steady sliding at the last load-point speed; it is absent if this speed is 0.
+    Both axes are linear.
 
     Parameters
     ----------
     run : xarray.Dataset
-        Run of one slider, from `simulate`, with the dimension ``time`` only.
+        Run of one slider, from `simulate` or `orbit`; anything else raises ParameterError.
     ax : matplotlib.axes.Axes
         Axes to draw into.
     unit_of : float, optional
@@ -121,7 +122,7 @@ def phase(run, ax, *, unit_of=None, **style):
     matplotlib.lines.Line2D
         The line of the motion.
     """
-    run = in_si(run)
+    run = named_runs([run])[0].run
     V = float(run.V_load[-1])
     factor, unit = prefixed("m/s", unit_of or float(run.V.max()))
     (line,) = ax.plot(run.tau / normal_stress(run), factor * run.V, **{"lw": 0.5} | style)
@@ -133,16 +134,18 @@ def phase(run, ax, *, unit_of=None, **style):
 
 
 def amplitudes(cycles, ax, x="V_lp", **style):
-    """Draw the amplitude of limit cycles against load-point velocity, or another variable.
+    """Draw the amplitude of limit cycles against load-point velocity, frequency or period.
+
+    Steady sliding has the amplitude 0, and neither frequency nor period.
 
     Parameters
     ----------
     cycles : xarray.Dataset
-        From `limit_cycle`, along one dimension ``V_lp``.
+        From `limit_cycle`, along ``V_lp`` alone; anything else raises ParameterError.
     ax : matplotlib.axes.Axes
         Axes to draw into.
-    x : str
-        "V_lp" [m/s], "frequency" [Hz] or "period" [s], on a logarithmic axis.
+    x : {"V_lp", "frequency", "period"}
+        Abscissa [m/s, Hz or s], on a logarithmic axis.
     **style
         Style of the line, as for matplotlib.
 
@@ -151,9 +154,16 @@ def amplitudes(cycles, ax, x="V_lp", **style):
     matplotlib.lines.Line2D
         The line of amplitudes.
     """
-    cycles = in_si(cycles)
-    (line,) = ax.plot(cycles[x], cycles.amplitude, **{"color": "k", "lw": 1.3} | style)
     names = {"V_lp": "Loading velocity", "frequency": "Frequency", "period": "Period"}
+    if x not in names:
+        raise ParameterError("is unknown", one_of(names, x), symbol="x", value=repr(x))
+    cycles = in_si(cycles)
+    if getattr(getattr(cycles, "amplitude", None), "dims", ()) != ("V_lp",):
+        raise ParameterError(
+            "amplitudes() draws a Dataset of limit_cycle along V_lp alone, and this is not one",
+            "Pick one value of each other dimension with .isel.",
+        )
+    (line,) = ax.plot(cycles[x], cycles.amplitude, **{"color": "k", "lw": 1.3} | style)
     ax.set_xscale("log")
     ax.set(xlabel=f"{names[x]} [{QUANTITIES[x].unit}]", ylabel=AMPLITUDE)
     return line

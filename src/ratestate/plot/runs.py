@@ -62,20 +62,26 @@ def named_runs(runs):
 def since(run, t_zero):
     """Return a run with time counted from `t_zero`, which becomes an attribute of the run.
 
+    Times before `t_zero` become negative.
+
     Parameters
     ----------
     run : xarray.Dataset
-        From `simulate`.
+        From `simulate`; anything else raises ParameterError.
     t_zero : float
-        A time of the run [s].
+        A time [s].
 
     Returns
     -------
     xarray.Dataset
-        The run, with ``time`` counted from `t_zero`.
+        The run in SI, with ``time``, or ``t`` if each case has its own times, counted from
+        `t_zero`.  The attribute ``t_zero`` adds up if the function is called again.
     """
-    time = (run.time - t_zero).assign_attrs(run.time.attrs)
-    return run.assign_coords(time=time).assign_attrs(t_zero=t_zero)
+    run = _checked(run)
+    name = "t" if "t" in run.coords else "time"
+    time = (run[name] - t_zero).assign_attrs(run[name].attrs)
+    total = run.attrs.get("t_zero", 0.0) + t_zero
+    return run.assign_coords({name: time}).assign_attrs(t_zero=total)
 
 
 def common(runs, symbols):

@@ -21,11 +21,11 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
     ----------
     result : xarray.Dataset
         Result of `simulate`, `stability`, `limit_cycle`, `continue_cycle`, `frequency_response`,
-        `sweep`, `fit`, `events`, `healing`, `machine_stiffness` or another function, with its
-        attributes.
+        `sweep`, `fit`, `events`, `healing` or `machine_stiffness`, with its attributes and
+        variables.  Of other functions, `classify` for example, the single values are listed.
     units : dict, optional
         Units of symbols in tables, such as ``{"V_lp": "mm/s"}``.  By default each value has a unit
-        that suits its size.  Results of records do not accept units.
+        that suits its size.  Units have no effect on results of records.
 
     Returns
     -------
@@ -35,7 +35,7 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
     Raises
     ------
     ParameterError
-        If result is not such a result, or lacks its attributes.
+        If result is not such a result, lacks its attributes, or has no values to list.
 
     Examples
     --------
@@ -67,8 +67,12 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
         return Report(many_cases.sweep(result, name, shown))
     if name in single.TABLES:
         return Report(single.TABLES[name](result, shown))
-    numbers = {key: value for key, value in result.data_vars.items() if key in QUANTITIES}
-    rows = [Row(str(key), value) for key, value in numbers.items() if not value.dims]
+    single_values = {key: x for key, x in result.data_vars.items() if not x.dims}
+    rows = [
+        Row(str(key), value, text=(str(value.item()) or "-") if value.dtype.kind in "OUT" else "")
+        for key, value in single_values.items()
+        if key in QUANTITIES
+    ]
     if not rows:
         raise ParameterError(
             f"the title of the Dataset, {name!r}, does not name a result",

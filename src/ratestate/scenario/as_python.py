@@ -11,14 +11,15 @@ from ..model.loading import Loading
 from ..model.units import is_array
 from ..model.user_laws import file_of_law
 from .as_toml import is_own_axis, numbers, quantity
-from .scenario import Scenario
+from .scenario import Scenario, check_scenario
 
 
 def python(scenario: Scenario) -> str:
     """Return Python lines that run a scenario and assign its Dataset to ``result``.
 
-    They include imports and reproduce the result bit-for-bit.  A user's law is registered from the
-    file that it came from.
+    They include imports and reproduce the result bit-for-bit.  They print nothing and write no
+    files, whatever the scenario's output is.  A user's law is registered from the
+    file that it came from; for a law from a class a comment says what to do.
 
     Parameters
     ----------
@@ -30,6 +31,7 @@ def python(scenario: Scenario) -> str:
     str
         Lines of Python.
     """
+    check_scenario(scenario)
     settings = dict(scenario.settings)
     parameters = scenario.slider.parameters.items()
     lines = [*registration(scenario.slider.law)]

@@ -16,7 +16,7 @@ from ..model.parameters import OTHER_QUANTITIES
 from ..model.quantities import QUANTITIES, exact_text
 from ..model.units import is_array
 from ..model.user_laws import file_of_law
-from .scenario import FUNCTIONS, Scenario
+from .scenario import FUNCTIONS, Scenario, check_scenario
 
 WIDTH = 93  # characters of a line
 AS_PYTHON = "Write this scenario as Python, with ratestate.scenario.python(scenario)."
@@ -44,9 +44,10 @@ def toml(scenario: Scenario) -> str:
     Notes
     -----
     For a law that was registered from a file, the text has the absolute path of the file, and the
-    name of the law includes the hash of its formula.  Unusually large or small values are written
-    although `load` refuses them.
+    name of the law includes the hash of its formula.  A law from a class must be registered again
+    before `load`.  Unusually large or small values are written although `load` refuses them.
     """
+    check_scenario(scenario)
     function, settings = scenario.function, dict(scenario.settings)
     slider = scenario.slider.parameters
     loading: dict[str, str] = {}

@@ -34,11 +34,12 @@ def load(
     ----------
     path : str or Path
         A TOML file with the tables [slider], [loading], [run], [sweep] and [output]; see
-        `ratestate.scenario`.  Only [slider] is required.
+        `ratestate.scenario`.  [slider] and a speed of the load point, in [loading] or [sweep], are
+        required, and for "simulate" ``t_end``.
     function : str, optional
-        Function to call in place of the one that [sweep] or [run] names, or in place of
-        "simulate" if they name none.  Keys that the function does not take are checked, but left
-        out.
+        Function to call, as in `Scenario`, in place of the one that [sweep] or [run] names, or in
+        place of "simulate" if they name none.  Keys that the function does not take are checked,
+        but left out.
     law_file : str or Path, optional
         Python file with the friction law, in place of the key law_file of the scenario.  A law file
         is code, which is run.

@@ -105,7 +105,17 @@ def run(scenario: Scenario) -> Any:
     xarray.Dataset
         The result of the function.  Errors of the function are raised as they are.
     """
+    check_scenario(scenario)
     return FUNCTIONS[scenario.function].call(scenario.slider, **scenario.settings)
+
+
+def check_scenario(scenario: Scenario) -> None:
+    """Raise ParameterError if it is not a `Scenario`."""
+    if not isinstance(scenario, Scenario):
+        raise ParameterError(
+            f"a {type(scenario).__name__} is not a scenario",
+            "Give what scenario.load, scenario.loads or scenario.from_result returns.",
+        )
 
 
 def from_result(result: Any) -> Scenario:

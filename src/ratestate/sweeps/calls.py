@@ -18,6 +18,7 @@ from ..dynamics.steady_sliding import (
     stability,
     stability_call,
 )
+from ..engine.backend import DEVICES
 from ..errors import ParameterError
 from ..model.arrays import isel
 from ..model.initial_state import initial_state
@@ -35,7 +36,6 @@ FUNCTIONS: dict[str, tuple[Callable, Callable]] = {
 IN_CLOSED_FORM = ("stability", "frequency_response")
 #: names of variables and groups that a sweep's result needs itself
 RESERVED = ("message", "status", "sweep")
-DEVICES = ("cpu", "cuda")
 # Cases whose starts are checked at a time: some 30 MB.
 MAX_CASES = 100_000
 

@@ -34,6 +34,7 @@ def test_an_orbit_closes_and_has_the_measures_of_its_cycle(name):
     for name in ("amplitude", "stress_drop", "frequency", "returns"):
         assert run[name].item() == cycle[name].item() > 0.0
     assert run.cycles.item() == 1
+    assert run.cycles.dtype == np.float64
 
 
 def test_steady_sliding_is_one_point():

@@ -322,6 +322,9 @@ def test_the_scenario_of_joined_results():
     assert from_result(both.isel(K=1)).slider.K == 8e8
 
 
+WITHOUT_SPEED = '{"slider": {"a": 1, "b": 2, "Dc": 1, "sigma": 1, "K": 1}, "rtol": 1}'
+
+
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
@@ -330,7 +333,8 @@ def test_the_scenario_of_joined_results():
         (lambda r: r.assign_attrs(title="simulate"), "a result with the title 'simulate' has no"),
         (lambda r: r.assign_attrs(title="ratestate fit"), "a fit has no scenario. Fit the record"),
         (lambda r: r.assign_attrs(scenario="{"), "the attribute 'scenario' of the Dataset has b"),
-        (lambda r: r.assign_attrs(scenario='{"slider": {}, "rtol": 1}'), "is altered (TypeError"),
+        (lambda r: r.assign_attrs(scenario='{"slider": {}}'), "SpringSlider needs a, b"),
+        (lambda r: r.assign_attrs(scenario=WITHOUT_SPEED), "is altered (TypeError"),
         (lambda r: r.drop_vars("M"), "has lost the values of 'M'"),
     ],
 )
@@ -338,6 +342,12 @@ def test_results_without_a_scenario_are_refused(damage, message):
     with pytest.raises(ParameterError) as caught:
         from_result(damage(run(SCENARIOS["sweep"])))
     assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("function", [run, python, toml])
+def test_a_result_in_place_of_its_scenario_is_refused(function):
+    with pytest.raises(ParameterError, match="a Dataset is not a scenario"):
+        function(rs.stability(SLIDER, 1e-3))
 
 
 SAMPLE = xr.DataArray([1e3, 2e3], dims="sample")

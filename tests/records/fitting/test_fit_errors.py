@@ -220,7 +220,7 @@ def test_the_likelihood_is_a_function_of_values_in_the_order_of_free(good, solut
     assert again(best) == top
     for impossible in ([1e9, 0.01], [-1e10, 0.01], [np.nan, 0.01]):
         assert function(impossible) == -np.inf
-    for wrong in (best[:1], 0.01, [best, best]):
+    for wrong in (best[:1], 0.01, [best, best], ["5 GPa/m", 0.01]):
         with pytest.raises(rs.ParameterError, match="Give 2 numbers: K, a"):
             function(wrong)
     assert rs.log_likelihood(good, SLIDER, iter(["a"]), noise=2e-4).names == ("a",)

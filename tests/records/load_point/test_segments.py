@@ -320,6 +320,7 @@ def test_columns_that_are_not_a_history_are_refused():
         (t[:3], t[:3], "at least 4 rows"),
         (t[::-1], t, "t does not increase at index 1"),
         (t, np.where(t == 3, np.nan, t), "not finite"),
+        (t, ["1 um"] * 100, "Give numbers in SI"),
         (
             t,
             np.where(t < 50, t, 100 - t) * 1e-6,

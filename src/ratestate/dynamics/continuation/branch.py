@@ -47,7 +47,7 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     slider : SpringSlider
         One slider, not a sweep; M > 0.
     parameter : {"V_lp", "K", "M", "sigma", "a", "b", "Dc"} or a parameter of the law alone
-        Parameter that changes along the branch.
+        Parameter that changes along the branch.  The slider's own value of it is not used.
     start, stop : float, str or pint.Quantity
         Its first and last value, > 0.
     V_lp : float, str or pint.Quantity
@@ -58,12 +58,12 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     Returns
     -------
     xarray.Dataset
-        In the dimension ``point``, in order along the branch: the parameter under its own name,
-        the variables of `limit_cycle`, and ``special``.
+        In the dimension ``point``, in order along the branch: the parameter under its own name, as
+        a coordinate, the variables of `limit_cycle`, and ``special``.
 
-        ``special`` is "hopf" (amplitude 0), "fold" (two cycles meet), "period_doubling", "torus",
-        "start" or "stop" at another end, and "" everywhere else.  The attribute ``parameter`` names
-        the parameter.
+        ``special`` is "hopf", "fold" (two cycles meet), "period_doubling", "torus", "start" or
+        "stop" at another end, and "" everywhere else.  At a Hopf point amplitude is 0, the largest
+        multiplier 1 and ``stable`` False.
 
     Raises
     ------

@@ -107,8 +107,8 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
         limits its accuracy to worse than 1 %.  The attribute ``best`` holds the last period that
         was computed.
     SolverError
-        If the search fails for another reason.  In a sweep no error is raised: such cases are NaN,
-        and their status is the reason.
+        If the search fails for another reason.  In a sweep no error is raised: such cases are NaN
+        (stable False, returns 0, outside_domain -1), and their status is the reason.
 
     Notes
     -----
@@ -298,7 +298,7 @@ def orbit(slider, V_lp, *, rtol=1e-8, return_cycle=False):
         ``theta`` [s], ``tau`` [Pa], ``mu`` and others.  The orbit begins at the maximum of the
         stress, where V = V_lp, and ends there one period later.  Steady sliding is one point, at
         time 0.  The values of amplitude, stress_drop, frequency and returns are taken from the
-        result of `limit_cycle`, and ``cycles`` is 1, or 0 in steady sliding.
+        result of `limit_cycle`, and ``cycles`` is 1.  In steady sliding all of these are 0.
 
     Raises
     ------
@@ -332,7 +332,7 @@ def _run_and_cycle(slider, V_lp, rtol, progress):
         return SimulateCall(slider, loading, time, times=np.zeros(1)).result(), cycle
     run = _period(slider, call, measures, rtol, progress)
     # A run of one period ends before it has measured a period.
-    measured = {name: cycle[name] for name in OF_PERIOD} | {"cycles": 1}
+    measured = {name: cycle[name] for name in OF_PERIOD} | {"cycles": 1.0}
     return run.assign({name: run[name].copy(data=measured[name]) for name in measured}), cycle
 
 

@@ -51,7 +51,7 @@ def classify(cycle):
         In the dimensions of `cycle`, with the thresholds as attributes:
 
         - ``regime`` and ``regime_by_eta``: regime of the measured cycle, and by the paper's
-          criterion;
+          criterion.  Without a cycle both are "steady", or both are "unknown";
         - ``agree``: whether both are equal.  "slow stick-slip" counts as stick-slip.  False if the
           regime is unknown;
         - ``eta``: dynamic instability coefficient (eq. 7);

@@ -40,10 +40,10 @@ def figure(result, *, title=True):
     Parameters
     ----------
     result : xarray.Dataset, or list or dict of these
-        From `simulate`, `limit_cycle`, `stability`, `frequency_response`, `continue_cycle`, `fit`,
-        `events`, `healing`, `machine_stiffness` or `sweep`.  One slider gives curves in time or
-        along its branch.  A sweep along one axis gives lines.  A sweep along two axes gives maps,
-        or lines if one axis has few values.  A part of its variables, such as
+        From `simulate`, `limit_cycle`, `orbit`, `stability`, `frequency_response`, `fit`,
+        `continue_cycle`, `events`, `healing`, `machine_stiffness` or `sweep`.  One slider gives
+        curves in time or along its branch.  A sweep along one axis gives lines.  A sweep along two
+        axes gives maps, or lines if one axis has few values.  A part of its variables, such as
         ``result[["amplitude"]]``, gives fewer panels.
 
         Several runs of `simulate` are compared: a list or dict as for `plot.trace`, or a sweep

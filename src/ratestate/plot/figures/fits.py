@@ -40,12 +40,14 @@ def fit(result, ax=None, *, x=None):
     Parameters
     ----------
     result : xarray.Dataset
-        From `fit`, under one law or several.
+        From `ratestate.fit`, under one law or several.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into.  In a figure with ``layout="constrained"`` its labels have room.
+        Axes to draw into, but not for a fit with ``per_step``.  In a figure with
+        ``layout="constrained"`` its labels have room.
     x : {"delta_lp", "time"}, optional
         Abscissa: load-point displacement [m] or time [s], counted from the first sample of the
-        record.  The default is displacement, or time if the load point rests.
+        record.  The default is displacement, or time if the load point rests.  A fit of cycles has
+        the time only.
 
     Returns
     -------
@@ -55,7 +57,7 @@ def fit(result, ax=None, *, x=None):
     Raises
     ------
     ParameterError
-        If it is not a result of `fit`, or has lost its attributes.
+        If it is not a result of `ratestate.fit`, has lost its attributes, or cannot be drawn so.
     """
     if has_steps(result):
         if ax is not None:

@@ -29,13 +29,13 @@ def overview(run, verdict, *, orbit=None, others=(), chart=None, caption=()):
     Parameters
     ----------
     run : xarray.Dataset
-        Run of one slider, from `simulate`.
+        Run of one slider, from `simulate`; anything else raises ParameterError.
     verdict : ratestate.Verdict
         Verdict on the slider at its last load-point velocity.
     orbit : xarray.Dataset, optional
         From `ratestate.orbit`, for the phase plane.
     others : list of xarray.Dataset
-        Up to 3 runs of `simulate`, drawn behind the run up to its end.
+        Up to 3 runs of `simulate` (more share colours), drawn behind the run up to its end.
     chart : xarray.Dataset, optional
         From `ratestate.atlas`, for b/a of the slider.
     caption : list of list of str

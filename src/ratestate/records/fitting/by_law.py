@@ -147,8 +147,8 @@ def fitted_slider(result, law=None):
     """Return the slider that a fit estimated.
 
     Free parameters and mu0 have their estimates.  All others have the values that were given.  If
-    each step was fitted, the slider has the joint estimates, or the medians over the steps if no
-    joint fit exists.
+    each step was fitted, a parameter has its joint estimate.  If it has none, like K and mu0, it
+    has the median over the steps.
 
     Parameters
     ----------

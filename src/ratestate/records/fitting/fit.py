@@ -92,35 +92,37 @@ def fit(
         Scalars, in SI:
 
         - each free parameter, under its name, and ``mu0``.
-        - ``a_minus_b``: d mu_ss/d ln V at the record's first speed.  It equals a - b, unless the
-          law has more states or another steady state.
-        - ``trend_slip`` [1/m] or ``trend_time`` [1/s].
+        - ``a_minus_b``, if a free parameter changes it: d mu_ss/d ln V at the record's first speed.
+          It equals a - b, unless the law has more states or another steady state.
+        - ``trend_slip`` [1/m] or ``trend_time`` [1/s]; neither if trend is None.
         - ``V_start``, ``theta_start`` and the law's other states, if the start is free.
         - ``noise_white``, ``noise_red``, ``noise_time`` and ``noise_exponent`` (1 is 1/f noise, 0
           is noise with one correlation time).
-        - ``rms``, ``chi2_white``, ``log_likelihood``, ``aic`` and ``bic``.
+        - ``rms``, ``chi2_white``, ``log_likelihood``, ``aic``, ``bic``, ``samples`` and
+          ``evaluations``.
         - ``misfit_p_value``: probability that noise alone causes such transients in the residuals
           after steps; NaN if it was not tested.
         - ``warnings``: one on each line, or "".
         - ``identifiability``: a note on which parameters are determined.
 
-        Along ``parameter``:
+        Along ``parameter`` (free parameters, ``mu0``, ``a_minus_b`` and the trend):
 
         - ``standard_error`` and ``interval`` (``level`` 0.68 and 0.95, ``side``) [SI].  An open
           interval ends at inf or 0.
         - ``interval_kind``: source of the interval.
         - ``correlation`` (with ``other``), taken of the logarithms of positive parameters.
-        - ``without_trend``: estimates without the trend, to first order.
+        - ``without_trend``: estimates without the trend, to first order, if there is one.
         - ``profile_value`` [SI] and ``profile_deviance`` along ``profile_point``, for profiles.
         - ``posterior`` along ``sample``, with equal weights, for a posterior.  The result then also
           has ``log_evidence``, diagnostics of the sampler and the attribute ``prior``.
 
-        Along ``time``: ``friction``, ``friction_fit``, ``residual``, ``fit_error`` and ``band``, in
-        which 95 % of samples lie.
+        Along ``time``: ``delta_lp``, ``friction``, ``friction_fit``, ``residual``, ``fit_error``
+        and ``band`` (also along ``side``), in which 95 % of samples lie.
 
-        Several laws are in one Dataset along ``law``.  It also has ``aic_difference``,
-        ``akaike_weight``, ``log_bayes_factor`` and the attribute ``comparison``.  Variables that
-        only some laws have are NaN or "" for the others.
+        A sequence of laws gives one Dataset along ``law``.  For several laws it also has
+        ``aic_difference``, ``bic_difference``, ``akaike_weight`` and the attribute ``comparison``,
+        and ``log_bayes_factor`` for posteriors.  Variables that only some laws have are NaN or ""
+        for the others.
 
         With per_step=True, parameters, errors, statistics and texts are along ``step``, 1 to n in
         order of time.  They are NaN or "" if ``status`` is 1 (failed) or 2 (stick-slip, which is
@@ -137,15 +139,16 @@ def fit(
 
         Also along ``parameter``:
 
-        - ``shared`` and ``shared_error``: estimate and error of one set for all steps and holds;
-          ``shared_correlation`` (with ``other``).
+        - ``shared`` and ``shared_error``: estimate and error of one set for all steps and holds,
+          NaN for K, mu0 and others that are not the law's; ``shared_correlation`` (with ``other``).
         - ``scatter``: standard deviation between steps that their errors do not explain.
         - ``up_over_down``: mean over steps up divided by mean over steps down, with
           ``up_over_down_error`` and ``up_over_down_p_value`` of Student's test.
 
         ``shared_deviance`` is chi-square of one set for all steps minus chi-square of separate
         sets.  ``shared_degrees`` is the number of parameters saved.  ``shared_p_value`` is the
-        probability of such a deviance or a larger one, if one set describes all steps.
+        probability of such a deviance or a larger one, if one set describes all steps.  All of
+        these are NaN if there are too few steps.
 
     Raises
     ------

@@ -63,13 +63,14 @@ def log_likelihood(
     -------
     LogLikelihood
         A function of a point: values (k,) [SI], in the order of `free` without mu0.  It returns a
-        float, or -inf if no slider with these values moves through the whole record.  Its attribute
-        ``names`` holds the order.  The function can be pickled.
+        float, or -inf if no slider with these values moves through the whole record, or if a value
+        is not finite or cannot be a parameter.  Its attribute ``names`` holds the order.  The
+        function can be pickled.
 
     Raises
     ------
     ParameterError
-        As `fit` does.
+        As `fit` does.  Also if the function gets anything but one number for each name.
 
     Examples
     --------
@@ -107,12 +108,16 @@ class LogLikelihood:
 
     def __call__(self, values):
         """Return ln(likelihood) at values (k,) [SI] of `names`; -inf without a motion."""
-        if np.shape(values) != (len(self.names),):
+        try:
+            point = np.asarray(values, float)
+        except (TypeError, ValueError):
+            point = np.empty(0)
+        if point.shape != (len(self.names),):
             raise sentences.refusal(
                 "settings.point", names=", ".join(self.names), count=len(self.names), values=values
             )
         with np.errstate(divide="ignore", invalid="ignore"):
-            pairs = list(zip(self.names, np.asarray(values, float), strict=True))
+            pairs = list(zip(self.names, point, strict=True))
             coordinates = np.array([to_coordinate(name, value) for name, value in pairs])
         least = [parameter(name).least for name in self.names]
         if not np.isfinite(coordinates).all() or (coordinates < least).any():

@@ -74,13 +74,14 @@ def healing(data, *, slider=None, loading=None, trend="slip", noise=None):
         Along ``hold``, in order of time:
 
         - ``hold_start`` and ``t_hold`` [s]: start and duration of the load point's rest.
-        - ``V_before`` and ``V_after`` [m/s]: load-point speeds of the slides.
+        - ``V_before`` and ``V_after`` [m/s]: load-point speeds of the slides, NaN without a slide.
         - ``friction_before``: steady friction at the hold's start.
         - ``friction_min``: friction at the hold's end.
         - ``friction_peak`` and ``peak_time`` [s].
         - ``friction_after``: steady friction at the end of the slide after the hold.
         - ``delta_mu`` (healing) and ``delta_mu_c`` (relaxation).
-        - ``hold_status`` (int8 with CF flags): 0 if the hold is evaluated.
+        - ``hold_status`` (int8 with CF flags): 0 if healing is measured.  Otherwise
+          ``delta_mu`` is NaN, and other values may be.
         - ``hold_message``: why a value is NaN, and remarks.
 
         Each friction, healing and relaxation has a standard error, ``NAME_error``.
@@ -89,7 +90,7 @@ def healing(data, *, slider=None, loading=None, trend="slip", noise=None):
         time, with ``_error`` and ``_scatter``.  The scatter is the root of the reduced chi-square
         about the line, NaN with two holds.  If it is significantly above 1, the errors are enlarged
         by it.  The rates are NaN without two different hold times.  ``noise_white``,
-        ``noise_red``, ``noise_time``.
+        ``noise_red``, ``noise_time`` (0 without red noise).
 
         Along ``line``: ``line_t_hold`` [s], and the fitted lines with errors, ``line_delta_mu`` and
         ``line_delta_mu_c``.  Along ``time``: ``friction``, and ``friction_steady``, the line of

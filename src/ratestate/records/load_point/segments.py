@@ -139,15 +139,16 @@ def find_segments(t, delta_lp):
     Returns
     -------
     segment_t : ndarray, shape (segments,)
-        Start of each segment [s]; the first is ``t[0]``.
+        Start of each segment [s]; the first is ``t[0]``.  Without a step there is one segment.  An
+        overshoot of a step is a segment.
     segment_V : ndarray, shape (segments,)
         Speed [m/s]; exactly 0 in a hold.
 
     Raises
     ------
     ParameterError
-        If the times do not increase, a value is not finite, there are fewer than 4 values, or the
-        load point moves backwards or has no constant speeds.
+        If the times do not increase, a value is not a finite number, there are fewer than 4 values,
+        or the load point moves backwards or has no constant speeds.
 
     Notes
     -----
@@ -255,7 +256,10 @@ def segments_from_velocity(t, V):
 
 
 def _check_arrays(t, x, symbol):
-    t, x = np.asarray(t, float), np.asarray(x, float)
+    try:
+        t, x = np.asarray(t, float), np.asarray(x, float)
+    except (TypeError, ValueError):
+        raise sentences.refusal("segments.numbers", symbol=symbol) from None
     if t.ndim != 1 or t.shape != x.shape or t.size < 4:
         raise sentences.refusal("segments.shape", t=t.shape, x=x.shape, symbol=symbol)
     if not (np.isfinite(t).all() and np.isfinite(x).all()):

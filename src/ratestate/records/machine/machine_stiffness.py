@@ -57,8 +57,9 @@ def machine_stiffness(data, *, sigma=None, slider=None, loading=None):
         Normal stress [Pa].  By default the median of the record's normal stress is used.
     slider : SpringSlider, optional
         Slider whose a, b and Dc, single numbers, remove the effect of friction from ring-downs
-        during sliding.  Its law must have one state.  Its K and M are not used.  Without a slider M
-        is computed as for a machine without friction, and the damping includes friction.
+        during sliding.  Its law must have one state, one slip distance and the friction of eq. 1.
+        Its K and M are not used.  Without a slider M is computed as for a machine without friction,
+        and the damping includes friction.
     loading : Loading, optional
         The load point's history, with t = 0 at the first sample.  By default the recorded motion is
         used.
@@ -71,7 +72,7 @@ def machine_stiffness(data, *, sigma=None, slider=None, loading=None):
         are NaN too.  M, damping and ln K are means weighted with the errors.  If values scatter
         significantly more than their errors, ``_scatter`` is above 1, and enlarges the errors.
 
-        Along ``slope``:
+        Along ``slope``, which has size 0 if no slope is resolved:
 
         - ``slope_kind``: "reload", "step_up", "step_down" or "stick".
         - ``slope_start`` [s]; ``slope_K`` and ``slope_K_error`` [Pa/m].
@@ -80,7 +81,7 @@ def machine_stiffness(data, *, sigma=None, slider=None, loading=None):
         - ``slope_used``: whether K includes the slope.  The curve must describe it, and "stick" is
           used only without other slopes.
 
-        Along ``ring_down``:
+        Along ``ring_down``, which has size 0 without free oscillations:
 
         - ``ring_down_start`` [s]; ``ring_down_V`` [m/s].
         - ``ring_down_omega`` [rad/s] and ``ring_down_decay`` [1/s], with ``_error``.

@@ -195,7 +195,8 @@ def describe_lab(
     Returns
     -------
     str
-        TOML with comments.  Write it to a file such as ``mylab.toml``.
+        TOML with comments; tables without values are commented examples.  Write it to a file such
+        as ``mylab.toml``.
 
     Raises
     ------

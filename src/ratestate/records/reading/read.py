@@ -69,24 +69,28 @@ def read_lab(
         Along ``time`` [s]:
 
         - ``friction``: computed as tau/sigma if it was not recorded.
-        - ``delta_lp`` [m] or ``V_load`` [m/s].
-        - ``tau`` and ``sigma`` [Pa], if they were recorded.
+        - ``delta_lp`` [m], or ``V_load`` [m/s] if no displacement was recorded.
+        - ``tau`` [Pa] if it was recorded, and ``sigma`` [Pa] if it was recorded or given.
 
         Along ``segment``, a span in which the load point has a constant speed, with standard errors
         ``NAME_error``:
 
-        - ``segment_t`` [s]: its start.
+        - ``segment_t`` [s]: its start; the first is the record's first time, with the error 0.
         - ``segment_V`` [m/s]: its speed, 0 in a hold.
 
         Attributes:
 
         - ``found``: steps and holds in words.
         - ``notes``: JSON list of rows that were left out or look odd.
-        - ``columns``: JSON with the source of each variable.
+        - ``source``: name of the file or files.
+        - ``columns``: JSON with the source of each variable.  ``sign`` is -1 if its sign was
+          changed, because friction or stress was negative or delta_lp fell throughout.
         - ``machine``: JSON with K and M of the format, if given.
 
     Raises
     ------
+    MissingFileError
+        If a file does not exist.  It is a ParameterError too.
     ParameterError
         If a file cannot be read or has a second header with other columns; if a column is missing,
         ambiguous, constant or mostly empty, has no unit or contradictory units, or has a size that
@@ -146,7 +150,7 @@ def try_reading(file, choices, *, seconds, stop=None):
     Parameters
     ----------
     file : binary file
-        An open file, such as an `io.BytesIO`, perhaps with a ``name``.
+        An open file, such as an `io.BytesIO`, perhaps with a ``name``.  It is read to its end.
     choices : dict
         Any of the arguments ``columns``, ``units`` and ``time`` of `read_lab`.
     seconds : float

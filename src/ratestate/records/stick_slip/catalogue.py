@@ -69,18 +69,21 @@ def events(data, *, K=None, M=None, sigma=None):
     Returns
     -------
     xarray.Dataset
-        Along ``event``, in order of time, with standard errors ``NAME_error``:
+        Along ``event``, 1 to n in order of time, with standard errors ``NAME_error``:
 
         - ``event_start`` and ``event_end`` [s]: times of the largest and smallest stress.
         - ``event_time`` [s]: when the stress is midway between them.
-        - ``tau_max``, ``tau_min`` and ``stress_drop`` [Pa]; ``friction_drop``.
-        - ``recurrence`` [s]: time since the ``event_time`` of the previous event.
+        - ``tau_max``, ``tau_min`` and ``stress_drop`` [Pa]; ``friction_drop``, if sigma is known.
+        - ``recurrence`` [s]: time since the ``event_time`` of the previous event, if there is one.
         - ``duration`` [s], ``slip`` [m], ``peak_slip_rate`` [m/s], ``V_lp`` [m/s].
         - ``friction_work`` [J/m^2]: the integral of tau over slip.
         - ``spring_energy`` [J/m^2]: the energy that the spring loses.
 
+        Slip, its rate and the energies are NaN if K is unknown.
+
         Without errors: ``event_kind`` is "fast" if the peak slip rate is at least half the inertial
-        limit stress_drop/(2 sqrt(K M)), or at least 100 V_lp if M is unknown, and "slow" otherwise.
+        limit stress_drop/(2 sqrt(K M)), or at least 100 V_lp if M is unknown.  It is "unknown" if
+        the peak slip rate is NaN, and "slow" otherwise, also if M = 0.
         ``samples_in_fall`` is the number of samples in the fall.  ``event_status`` (int8 with CF
         flags) is 0 for a whole event.  ``event_message`` explains NaN and gives remarks.
 
@@ -89,10 +92,11 @@ def events(data, *, K=None, M=None, sigma=None):
         ``trend_A`` and ``trend_B`` [Pa] have errors.  ``trend_events`` is the number of events,
         and ``trend_message`` explains NaN.
 
-        Scalars: ``K`` and ``K_error`` [Pa/m]; ``tau_noise`` [Pa] and ``tau_noise_correlation`` of
-        neighbouring samples, from the loading; ``detection_threshold`` [Pa], the smallest stress
-        drop that can be found.  For a run, ``K_error``, noise and correlation are 0.  Along
-        ``time``: ``tau``, thinned if it is long.  Without events ``event`` has size 0.
+        Scalars: ``K`` and ``K_error`` [Pa/m], NaN if unknown; ``tau_noise`` [Pa] and
+        ``tau_noise_correlation`` of neighbouring samples, from the loading;
+        ``detection_threshold`` [Pa], the smallest stress drop that can be found.  For a run,
+        ``K_error``, noise and correlation are 0.  Along ``time``: ``tau``, thinned if it is long.
+        Without events ``event`` has size 0.
 
     Raises
     ------
@@ -120,7 +124,7 @@ def events(data, *, K=None, M=None, sigma=None):
     similar events may then be missing.
 
     If the middle half of a fall has fewer than 8 samples, the peak slip rate is the mean slip rate
-    there, a lower bound.
+    there, a lower bound without an error (NaN).
 
     Examples
     --------
