@@ -61,7 +61,10 @@ sizes = st.lists(st.integers(1, 7), min_size=1, max_size=4).map(
 def test_chunks_tile_the_sweep_in_order(sizes, most):
     chunks = chunks_of(sizes, most)
     numbers = np.arange(math.prod(sizes.values())).reshape(*sizes.values())
-    found = [numbers[tuple(slices.values())].ravel() for slices in chunks]
+    found = [
+        numbers[tuple(slices.values())].ravel()
+        for slices in map(chunks.slices, range(chunks.number))
+    ]
     assert np.array_equal(np.concatenate(found), np.arange(numbers.size))
     assert [part.size for part in found] == [chunks.cases(i) for i in range(chunks.number)]
     assert max(part.size for part in found) <= most

@@ -85,19 +85,18 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
 
 
 def force_axis(run, ax):
-    """Give axes of `trace` a second scale on the right, the spring's force; return it.
+    """Give axes of `trace` a second scale on the right, the spring's force, if it is known.
 
-    None if the slider has no area, or if normal stress varies.
+    It is not if the slider has no area, or if normal stress varies.
     """
     forces = whole_contact(run)
     if "force" not in forces or "sigma" in run.data_vars:
-        return None
+        return
     newtons = float(force(parameter(run, "sigma"), parameter(run, "area")))  # at tau/sigma = 1
     factor, unit = prefixed("N", float(abs(forces["force"]).max()))
     per_mu = factor * newtons
     scale = ax.secondary_yaxis("right", functions=(lambda y: y * per_mu, lambda f: f / per_mu))
     scale.set_ylabel(f"Force [{unit}]")
-    return scale
 
 
 def phase(run, ax, *, unit_of=None, **style):

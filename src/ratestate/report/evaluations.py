@@ -12,7 +12,7 @@ from ..model.quantities import QUANTITIES, power_of, prefixed_unit, readable, wi
 from ..records.healing.healing import HEADINGS, RATES, rate_text
 from ..records.kit import checked_result
 from ..records.machine.machine_stiffness import OF_RINGS, SYMBOLS, estimate, value_with_unit
-from .report import Blocks, Heading, TextTable, Title, left
+from .report import Blocks, Heading, TextTable, Title, left, numbers_by_text
 
 #: relative error that is not shown
 EXACT = 1e-6
@@ -60,15 +60,9 @@ def events(catalogue: xarray.Dataset) -> Blocks:
 
 def _messages(catalogue: xarray.Dataset) -> list[str]:
     """Return a sentence for each message on events, with their numbers."""
-    numbers: dict[str, list[str]] = {}
-    for number, message in zip(catalogue.event.values, catalogue.event_message.values, strict=True):
-        for part in filter(None, str(message).split("; ")):
-            numbers.setdefault(part, []).append(str(number))
-    texts = []
-    for text, ids in numbers.items():
-        more = f" and {len(ids) - MOST} more" if len(ids) > MOST else ""
-        texts.append(f"event{'s' if len(ids) > 1 else ''} {', '.join(ids[:MOST])}{more}: {text}")
-    return texts
+    messages = (str(text).split("; ") if text else [] for text in catalogue.event_message.values)
+    pairs = zip(catalogue.event.values, messages, strict=True)
+    return [f"{events}: {text}" for events, text in numbers_by_text("event", pairs, MOST)]
 
 
 def _unit_of(name: str, values: np.ndarray) -> tuple[float, str]:

@@ -1,6 +1,6 @@
 """Reports on fits: estimates under each law, how well they fit, and what a record determines."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -100,9 +100,10 @@ def estimates(
         texts = _texts(laws, "K", 1e-6 / value_of(next(iter(laws.values())), "sigma"))
         meaning = "stiffness, in friction per displacement"
         rows.append(EstimateRow("K/sigma", "1/um", meaning, texts))
-    if any(ratios := [_stiffness_ratio(part) for part in laws.values()]):
-        texts = [(text, "", "") if text else NONE for text in ratios]
-        rows.append(EstimateRow("K/K_c_qs", "", _stability(laws), texts))
+    ratios = [stiffness_over_critical(part) for part in laws.values()]
+    if any(ratios):
+        texts = [(_ratio_text(*ratio), "", "") if ratio else NONE for ratio in ratios]
+        rows.append(EstimateRow("K/K_c_qs", "", _stability(filter(None, ratios)), texts))
     return rows
 
 
@@ -144,22 +145,18 @@ def _plus_minus(value: float, error: float, digits: float) -> str:
     return f"{shown} +- {rounded(error, digits)}" if 0.0 < error < np.inf else shown
 
 
-def _stiffness_ratio(part: xarray.Dataset) -> str:
-    """Return K/K_c_qs, with a finite error; `STABLE_AT_ANY_K` if K_c_qs <= 0; or ""."""
-    if (pair := stiffness_over_critical(part)) is None:
-        return ""
-    ratio, error = pair
+def _ratio_text(ratio: float, error: float) -> str:
+    """Return K/K_c_qs, with a finite error; `STABLE_AT_ANY_K` if K_c_qs <= 0."""
     if np.isinf(ratio):
         return STABLE_AT_ANY_K
     return _plus_minus(ratio, error, error if np.isfinite(error) else ERROR_FOR_DIGITS * ratio)
 
 
-def _stability(laws: Laws) -> str:
+def _stability(ratios: Iterable[tuple[float, float]]) -> str:
     """Return what K/K_c_qs means, for the side of 1 if all ratios are clearly on it."""
-    ratios = [stiffness_over_critical(part) for part in laws.values()]
     sides = {
         np.sign(ratio - 1.0) if abs(ratio - 1.0) > TWO_ERRORS * error else 0.0
-        for ratio, error in filter(None, ratios)
+        for ratio, error in ratios
     }
     if sides == {-1.0}:
         return "below 1: steady sliding is unstable"

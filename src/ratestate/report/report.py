@@ -121,7 +121,6 @@ class TextTable(NamedTuple):
         return tables
 
     def markdown(self) -> str:
-        """Return the whole table in Markdown."""
         heads = [head.head.replace("\n", " ") for head in self.columns]
         rule = ["---:" if head.right else "---" for head in self.columns]
         rows = (" | ".join(cells).replace("\n", " ") for cells in (heads, rule, *self.rows))
@@ -242,6 +241,23 @@ def scale_of(symbol: str, size: float, in_thousandths: bool = False) -> tuple[fl
         return (1e3, "1e-3") if in_thousandths and size < SMALL else (1.0, "")
     power = power_of(unit, size)
     return 10.0**-power, prefixed_unit(unit, power)
+
+
+def numbers_by_text(
+    name: str, texts: Iterable[tuple[Any, Iterable[str]]], most: int | None = None
+) -> Iterator[tuple[str, str]]:
+    """Yield numbers, such as "steps 3, 9", and the text that they share.
+
+    texts : a number, and its texts
+    most : numbers that are listed; None lists all
+    """
+    numbers: dict[str, list[str]] = {}
+    for number, own in texts:
+        for text in own:
+            numbers.setdefault(text, []).append(str(number))
+    for text, ids in numbers.items():
+        more = f" and {len(ids) - most} more" if most and len(ids) > most else ""
+        yield f"{name}{'s' if len(ids) > 1 else ''} {', '.join(ids[:most])}{more}", text
 
 
 def place(coordinates: Mapping[Any, Any], units: Units) -> str:

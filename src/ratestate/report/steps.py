@@ -16,7 +16,7 @@ from ..records.fitting.by_law import (
 )
 from ..records.fitting.steps import FAILED, HOLD, NORMAL_STRESS, STEP, STICK_SLIP
 from ..records.fitting.unknowns import DERIVED, TRENDS, to_value
-from .report import Heading, TextTable, Title, left, scale_of
+from .report import Heading, TextTable, Title, left, numbers_by_text, scale_of
 
 #: heads of the first columns
 HEADS = [left("step"), left("time [s]", joined=True), left("change", joined=True)]
@@ -54,14 +54,9 @@ def blocks(result):
     found = [heading_of_steps(result)]
     for law, table in tables.items():
         found += [Title(f"{law} law"), table, ""]
-    return [*found, *filter(None, [_notation(tables.values())]), *remarks_on_steps(result)]
-
-
-def _notation(tables):
-    """Return sentences on the notation that the tables use."""
-    cells = [cell for table in tables for row in table.rows for cell in row]
-    found = (text for mark, text in NOTATION.items() if any(re.match(mark, x) for x in cells))
-    return " ".join(found)
+    cells = [cell for table in tables.values() for row in table.rows for cell in row]
+    used = [text for mark, text in NOTATION.items() if any(re.match(mark, x) for x in cells)]
+    return [*found, *([" ".join(used)] if used else []), *remarks_on_steps(result)]
 
 
 def table_of(result, law):
@@ -171,22 +166,13 @@ def remarks_on_steps(result):
 
 
 def warnings_on_steps(result):
-    """Return the warnings under every law."""
+    """Return the warnings under every law, each with the numbers of its steps."""
     return [
         f"{steps}, {law} law, warning: {text}"
         for law, part in results_by_law(result).items()
-        for steps, text in warnings_by_text(part)
-    ]
-
-
-def warnings_by_text(part):
-    """Return pairs of steps, such as "steps 3, 9", and a warning on them."""
-    steps: dict[str, list[str]] = {}
-    for i, texts in enumerate(part["warnings"].values.tolist(), 1):
-        for text in texts.splitlines():
-            steps.setdefault(text, []).append(str(i))
-    return [
-        (f"step{'s' if len(ids) > 1 else ''} {', '.join(ids)}", text) for text, ids in steps.items()
+        for steps, text in numbers_by_text(
+            "step", enumerate(map(str.splitlines, part["warnings"].values.tolist()), 1)
+        )
     ]
 
 

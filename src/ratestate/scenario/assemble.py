@@ -73,24 +73,17 @@ def assemble(tables: Tables) -> Scenario | None:
         settings = {k: v for k, v in settings.items() if k in FUNCTIONS[function].keys}
         if branch.get("parameter") != "V_lp":
             settings = {"V_lp": _last_speed(tables)} | settings
-        settings = _in_si(branch, slider) | settings
+        if slider is not None and None not in branch.values():
+            symbol, given = branch.get("parameter"), slider.values
+            ends = branch.keys() - {"parameter"}
+            branch = branch | {key: parameter_to_si(symbol, branch[key], given) for key in ends}
+        settings = branch | settings
     if function == "continue_cycle" and slider is not None and branch and not tables.problems:
         check = functools.partial(checked_family, slider, **{"V_lp": None, "rtol": 1e-8} | settings)
         tables.table("sweep").at(branch["parameter"]).attempt(check)
     if tables.problems or slider is None:
         return None
     return Scenario(function, slider, settings, Output(**tables.output))
-
-
-def _in_si(branch: dict[str, Any], slider: SpringSlider | None) -> dict[str, Any]:
-    """Return the keys of a branch with its ends in SI, if they are known."""
-    if slider is None or None in branch.values():
-        return branch
-    symbol, given = branch.get("parameter", ""), slider.values
-    return {
-        key: x if key == "parameter" else parameter_to_si(symbol, x, given)
-        for key, x in branch.items()
-    }
 
 
 def _slider(tables: Tables) -> SpringSlider | None:

@@ -137,7 +137,6 @@ def _law_of(slider: dict[str, Any]) -> FrictionLaw | None:
 
 
 def _parse(text: bytes, name: str) -> dict[str, Any]:
-    """Parse the text as TOML."""
     if len(text) > LARGEST:
         problem = message("file.too_large", size=len(text), most=LARGEST)
         raise refusal("file.unreadable", name=name, what=problem)

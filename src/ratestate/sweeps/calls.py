@@ -86,8 +86,8 @@ def _check_names(call):
 def check_cases(call, chunks):
     """Raise ParameterError if initial values of any case contradict each other."""
     if getattr(call, "initial", None):
-        for slices in chunks:
-            part = isel(call, slices)
+        for i in range(chunks.number):
+            part = isel(call, chunks.slices(i))
             table, rows = part.batch.rows(part.loading.V)
             initial_state(part.slider.friction_law, part.batch, table[rows, 0])
 
@@ -96,7 +96,8 @@ def undisturbed(name, call):
     """What a `RunWarning` says of cases of a checked call that stay on unstable sliding, or ""."""
     if name != "simulate":
         return ""
-    return undisturbed_warning(isel(call, part) for part in chunks_of(call.batch.sizes, MAX_CASES))
+    chunks = chunks_of(call.batch.sizes, MAX_CASES)
+    return undisturbed_warning(isel(call, chunks.slices(i)) for i in range(chunks.number))
 
 
 def check_device(name, call, device):

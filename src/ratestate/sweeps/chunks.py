@@ -33,10 +33,7 @@ CASES_ON_GPU = 1 << 17
 
 @dataclasses.dataclass(frozen=True)
 class Chunks:
-    """Blocks that make up a sweep, of equal shape except for the last along each dimension.
-
-    Iterating gives the slices of each chunk: dimension -> slice.
-    """
+    """Blocks that make up a sweep, of equal shape except for the last along each dimension."""
 
     sizes: dict  # dimension -> number of values
     shape: tuple  # number of values in a chunk along each dimension
@@ -48,7 +45,6 @@ class Chunks:
 
     @property
     def number(self):
-        """Number of chunks."""
         return math.prod(self.counts)
 
     def index(self, i):
@@ -79,9 +75,6 @@ class Chunks:
             if shared and not any(index[dim] for dim in index.keys() - shared):
                 blocks[name] = tuple(index.get(dim, 0) for dim in own_dims)
         return blocks
-
-    def __iter__(self):
-        return (self.slices(i) for i in range(self.number))
 
 
 def chunks_of(sizes, most):

@@ -46,10 +46,8 @@ class Cluster:
 
     def run(self, function, *arguments):
         """Have a worker call a function, with kernels on one thread, and return its result."""
-        calls = iter([(function, *arguments)])
-        with contextlib.closing(
-            self._results(calls, {"versions": json.loads(versions())})
-        ) as found:
+        calls, expected = iter([(function, *arguments)]), {"versions": json.loads(versions())}
+        with contextlib.closing(self._results(calls, expected)) as found:
             return next(found)
 
     def outcomes(self, tasks, call, numbers, report, expected):

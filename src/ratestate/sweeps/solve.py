@@ -79,7 +79,10 @@ def solve(call, specs, progress=None):
         raise
     except Exception as error:
         if call.batch.n == 1:
-            return crashed_variables(call, specs, f"{type(error).__name__}: {error}")
+            variables = {name: spec.empty(call.batch.sizes) for name, spec in specs.items()}
+            why = f"{STATUSES[CRASHED][1]} ({type(error).__name__}: {error})"
+            variables["status"][...], variables["message"][...] = CRASHED, why
+            return variables
     dim, parts = halves(call.batch.sizes)
     return concatenate([solve(isel(call, slices), specs) for slices in parts], dim)
 
@@ -97,15 +100,6 @@ def with_messages(variables, batch):
     for code in np.setdiff1d(status, ANSWERED):
         message[status == code] = STATUSES[code][1]
     return variables | {"message": xarray.Variable(batch.dims, message, attrs("message"))}
-
-
-def crashed_variables(call, specs, message):
-    """Return variables of a call whose cases all have the status ``crashed``, for this reason."""
-    sizes = call.batch.sizes
-    variables = {name: spec.empty(sizes) for name, spec in specs.items()}
-    variables["status"][...] = CRASHED
-    variables["message"][...] = f"{STATUSES[CRASHED][1]} ({message})"
-    return variables
 
 
 def concatenate(parts, dim):

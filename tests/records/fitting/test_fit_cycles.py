@@ -125,7 +125,7 @@ def test_features_are_measured_within_their_errors(slider, V_lp, kinds, records)
     z, raw = [], []
     for seed in range(records):
         found = measure(segment(slider, V_lp, seed=seed, **kinds))
-        known = truth(slider, V_lp, found.bins)
+        known = truth(slider, V_lp, found.cycles.profile.size)
         found = corrected(found, wave_at(cycle(slider, V_lp)[1]), known)
         error = np.sqrt(np.diag(found.covariance))
         z.append(((found.values - known) / error)[found.used])
@@ -163,8 +163,8 @@ def test_a_trend_is_removed_and_noted():
 def check_estimates(found, slider, widest):
     """Check that all estimates are within 4 errors, and errors below `widest`."""
     estimates = found.inference.estimates
-    for name in estimates.names:
-        one = estimates.of(name)
+    for name in estimates.by_name:
+        one = estimates.by_name[name]
         known = slider.a - slider.b if name == "a_minus_b" else getattr(slider, name)
         is_free = name in found.problem.unknowns.names
         apart = np.log(one.value / known) if is_free else one.value - known
@@ -181,13 +181,13 @@ def test_fit_of_vibration_recovers_the_slider():
     assert found.problem.dof == 3
     # chi-squared is that of the features as finally corrected
     (one,) = found.problem.measured
-    off, used = (found.cycles()[0][0] - one.values)[one.used], np.ix_(one.used, one.used)
+    off, used = (found.features[0] - one.values)[one.used], np.ix_(one.used, one.used)
     assert found.chi2 == pytest.approx(off @ np.linalg.solve(one.covariance[used], off), rel=1e-6)
     assert found.chi2 < 17.0
     result = cycles_dataset(found)
     assert (result.start_status == "converged").all()
     assert float(result.start_chi2[0]) == pytest.approx(float(result.chi2), abs=0.05)
-    assert float(result.a) == found.inference.estimates.of("a").value
+    assert float(result.a) == found.inference.estimates.by_name["a"].value
     assert result.parameter.values.tolist() == ["a", "b", "mu0", "a_minus_b"]
     for name in result.parameter.values:
         lower, upper = result.interval.sel(parameter=name, level=0.95)
@@ -225,7 +225,7 @@ def test_fits_that_lose_their_cycles_are_refused(vibration, monkeypatch):
 def test_two_laws_are_fitted_side_by_side(vibration):
     data, slip = vibration
     both = rs.fit(data, VIBRATION, ("b",), law=("slip", "aging"), against="cycles")
-    assert float(both.b.sel(law="slip")) == slip.inference.estimates.of("b").value
+    assert float(both.b.sel(law="slip")) == slip.inference.estimates.by_name["b"].value
     assert both.fitted.dims == ("law", "segment", "feature")
     assert float(both.aic_difference.min()) == 0.0
     assert "AIC" in both.attrs["comparison"]

@@ -32,6 +32,7 @@ from ratestate.records.fitting.profile import (
     compute_profiles,
 )
 from ratestate.records.fitting.quantities import (
+    GAUSSIAN,
     ROOTS,
     ReportedQuantity,
     estimates_from,
@@ -83,7 +84,7 @@ def sampled(good):
 def test_the_profile_of_a_gaussian_likelihood_is_the_covariance(solution):
     numbers = reported_quantities(solution.problem)
     assert all(are_gaussian(solution, numbers))
-    assert compute_profiles(solution, numbers, False) == {}
+    assert compute_profiles(solution, numbers, False, [GAUSSIAN] * len(numbers)) == {}
     for number in (numbers[2], numbers[5], numbers[6]):
         one = compute_profile(solution, number)
         gradient = number.gradient(solution.point)
@@ -336,9 +337,9 @@ def test_text_on_laws_that_do_not_fit(laws, none, apart, words):
 
 @pytest.mark.parametrize(("red", "of_all"), [([0.0, 1e-3], False), ([1e-3, 0.0], True)])
 def test_correlated_residuals_are_of_the_law_that_has_them(red, of_all):
-    aic = xarray.DataArray([0.0, 30.0], {"law": ["slip", "aging"]}, "law")
-    result = xarray.Dataset({"noise_red": ("law", red)}, aic.coords)
-    text = with_comparison(result, aic, True).comparison
+    """The criterion has no names of laws, as in a fit."""
+    result = xarray.Dataset({"noise_red": ("law", red)}, {"law": ["slip", "aging"]})
+    text = with_comparison(result, xarray.DataArray([0.0, 30.0], dims="law"), True).comparison
     assert ("perhaps none of the laws fits" in text) == of_all
     assert ("Residuals under the aging law are correlated" in text) != of_all
 
@@ -497,7 +498,7 @@ def test_text_on_an_unconstrained_parameter(solution, error, is_constrained):
     quantities = inference.quantities
     spread = np.diag([0.01, 1e-4, 0.01, error, 1e-4, 1e-4, 1.0]) ** 2
     values = np.array([q.value(solution.point) for q in quantities])
-    names, is_log = inference.estimates.names, np.array([q.is_log for q in quantities])
+    names, is_log = [*inference.estimates.by_name], np.array([q.is_log for q in quantities])
     estimates = estimates_from(names, values, spread, is_log)
     note, warnings = identifiability(inference._replace(estimates=estimates))
     (warning,) = warnings

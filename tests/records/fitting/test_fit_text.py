@@ -4,7 +4,6 @@ import re
 
 import numpy as np
 import pytest
-import xarray
 from synthetic_records import SLIDER, STEP, record
 
 import ratestate as rs
@@ -13,7 +12,7 @@ from ratestate.model.quantities import with_error
 from ratestate.records import fitting
 from ratestate.records.fitting.by_law import error_of, results_by_law, stiffness_over_critical
 from ratestate.report.fits import estimates, noise_text
-from ratestate.report.steps import warnings_by_text
+from ratestate.report.report import numbers_by_text
 
 pytestmark = pytest.mark.filterwarnings("ignore::ratestate.FitWarning")
 
@@ -121,9 +120,10 @@ def test_noise_as_text(white, red, exponent, expected):
 
 
 def test_a_warning_of_several_steps_is_written_once():
-    part = xarray.Dataset({"warnings": ("step", ["one\ntwo", "", "two", "three"])})
-    expected = [("step 1", "one"), ("steps 1, 3", "two"), ("step 4", "three")]
-    assert warnings_by_text(part) == expected
+    texts = [*enumerate((["one", "two"], [], ["two"], ["two", "three"]), 1)]
+    expected = [("step 1", "one"), ("steps 1, 3, 4", "two"), ("step 4", "three")]
+    assert [*numbers_by_text("step", texts)] == expected
+    assert [*numbers_by_text("step", texts, 2)][1] == ("steps 1, 3 and 1 more", "two")
 
 
 def test_the_estimated_slider(both):

@@ -8,10 +8,8 @@ from typing import Annotated
 
 import typer
 
-from .command import GROUPS, Command, Debug, as_command, functions, group_of
+from .command import COMMANDS, GROUP_OF, GROUPS, Command, Debug, as_command
 from .exits import EXIT_CODES
-
-COMMANDS = functions()
 
 main = typer.Typer(
     name="ratestate",
@@ -22,7 +20,8 @@ main = typer.Typer(
 )
 _groups = {name: typer.Typer(no_args_is_help=True, help=text) for name, text in GROUPS.items()}
 for function in COMMANDS:
-    _groups.get(group_of(function), main).command(cls=Command)(as_command(function))
+    group = _groups.get(GROUP_OF[function.__name__], main)
+    group.command(cls=Command)(as_command(function))
 for name, group in _groups.items():
     main.add_typer(group, name=name)
 

@@ -32,8 +32,12 @@ _TABLES = _tables()
 _SHARED = _TABLES.pop("shared")
 #: group of commands -> its help, and command -> the group it is in, "" for none
 GROUPS = _TABLES.pop("groups")
-_GROUP_OF = {name: table.pop("group", "") for name, table in _TABLES.items()}
-_MODULES = {name: table.pop("module") for name, table in _TABLES.items()}
+GROUP_OF = {name: table.pop("group", "") for name, table in _TABLES.items()}
+#: the functions of the commands, in the order of the help
+COMMANDS: list[Callable[..., None]] = [
+    getattr(importlib.import_module(f".{table.pop('module')}", __package__), name)
+    for name, table in _TABLES.items()
+]
 
 
 class Command(TyperCommand):
@@ -52,19 +56,6 @@ class Command(TyperCommand):
 
 def _parameter_name(option: str) -> str:
     return option.strip("-").replace("-", "_")
-
-
-def functions() -> list[Callable[..., None]]:
-    """Return the functions of the commands, in the order of the help."""
-    return [
-        getattr(importlib.import_module(f".{module}", __package__), name)
-        for name, module in _MODULES.items()
-    ]
-
-
-def group_of(function: Callable[..., None]) -> str:
-    """Return the group of a function's command: "lab" of ``ratestate lab describe``."""
-    return _GROUP_OF[function.__name__]
 
 
 def as_command(function: Callable[..., None]) -> Callable[..., None]:

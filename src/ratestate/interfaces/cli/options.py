@@ -59,7 +59,6 @@ class Reading(FileReading):
     join: Join = "auto"
 
     def keywords(self) -> dict[str, Any]:
-        """Return keywords of `read_lab` for the options that are given."""
         options = {"max_rows": self.max_rows, "join": None if self.join == "auto" else self.join}
         given = {name: value for name, value in options.items() if value is not None}
         return super().keywords() | given

@@ -139,15 +139,14 @@ def wanted_units(texts: list[str] | None) -> dict[str, str]:
     return units
 
 
-def in_numbers(result: xarray.Dataset, units: dict[str, str] | None) -> xarray.Dataset:
+def in_numbers(result: xarray.Dataset, units: dict[str, str]) -> xarray.Dataset:
     """Return a result as it is written and printed: with the whole contact, in these units.
 
     Name units without a variable of the result on stderr; they have no effect.
     """
     numbers = result.assign(whole_contact(result).data_vars)
-    wanted = units or {}
-    found = {k: unit for k, unit in wanted.items() if find_variable(numbers, k) is not None}
-    if absent := [name for name in wanted if name not in found]:
+    found = {k: unit for k, unit in units.items() if find_variable(numbers, k) is not None}
+    if absent := [name for name in units if name not in found]:
         print_line(f"--units: this result has no {', '.join(absent)}", err=True)
     return in_units(numbers, **found)
 

@@ -89,7 +89,11 @@ def explore(
                 f"{given} cannot be used with --save, which writes a file and starts no server",
                 "Leave out one of them.",
             )
-        print_line(f"wrote {_saved(explorer, save, opened)}", err=True)
+        if opened:
+            path = explorer.Page(*opened).save(save)
+        else:
+            path = explorer.save_page(save, explorer.presets()[0]["entries"])
+        print_line(f"wrote {path}", err=True)
         return
     try:
         fragment = explorer.fragment_of(*opened) if opened else ""
@@ -111,10 +115,3 @@ def _opened(file, law_file):
             f"Give a file without [sweep], or run it with ratestate run {file}.",
         )
     return scenario.slider, scenario.settings["V_lp"]
-
-
-def _saved(explorer, path, opened):
-    """Save the page with a slider, or as it opens without one; return the file's Path."""
-    if opened:
-        return explorer.Page(*opened).save(path)
-    return explorer.save_page(path, explorer.presets()[0]["entries"])

@@ -59,11 +59,10 @@ def verdict_text(scenario: Scenario, result: xarray.Dataset) -> VerdictText | No
 
 def _stress_text(loading: Loading, last: SpringSlider, first: SpringSlider) -> str:
     """Which normal stress the verdict is about; "" where it is the one of the beginning."""
-    if loading.stress_oscillates:
-        return SENTENCES("about.mean_stress", sigma=of_contact("sigma", last.sigma, last.area))
-    if last.sigma == first.sigma:
+    if last.sigma == first.sigma and not loading.stress_oscillates:
         return ""
-    return SENTENCES("about.last_stress", sigma=of_contact("sigma", last.sigma, last.area))
+    name = "about.mean_stress" if loading.stress_oscillates else "about.last_stress"
+    return SENTENCES(name, sigma=of_contact("sigma", last.sigma, last.area))
 
 
 def speed_of_verdict(loading: Loading) -> float | None:

@@ -1,6 +1,6 @@
 """The figure of one or several catalogues of stick-slip events, measured or simulated."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray
@@ -12,8 +12,8 @@ from ...records.stick_slip.catalogue import SEVERAL
 from ..labels import BLUE, GRAY, RED, in_unit, prefixed
 from ..layout import blank_figure, letters, plain_ticks, styled
 
-#: looks of catalogues, in turn: colour, marker, whether it is filled
-LOOKS = (("k", "o", True), (RED, "s", False), (BLUE, "^", False), (GRAY, "D", False))
+#: looks of catalogues, in turn: colour, marker, and colour of its face
+LOOKS = (("k", "o", "k"), (RED, "s", "none"), (BLUE, "^", "none"), (GRAY, "D", "none"))
 #: height of a record's panel, and of those below [inches]
 RECORD, BELOW = 1.5, 2.3
 #: abscissa -> its name on an axis, and unit
@@ -30,13 +30,7 @@ class Named(NamedTuple):
     name: str
     color: str
     marker: str
-    filled: bool
-
-    @property
-    def style(self) -> dict[str, Any]:
-        """The style of its markers."""
-        face = self.color if self.filled else "none"
-        return {"color": self.color, "marker": self.marker, "mfc": face, "ms": 4, "mew": 0.9}
+    face: str
 
 
 @styled
@@ -76,8 +70,7 @@ def _lines(named, part):
     for abscissa, ax in zip(shown, axes, strict=True):
         _drops(named, ax, abscissa, factor, unit)
     axes[0].set_ylabel(in_unit("Stress drop", unit))
-    words = "against recurrence", "against load-point velocity"
-    texts = [f"stress drop {text}" for text in words[: len(shown)]]
+    texts = "stress drop against recurrence", "stress drop against load-point velocity"
     letters(axes, *texts, first=chr(ord("a") + len(named)))
 
 
@@ -126,21 +119,23 @@ def _drops(named, ax, abscissa, factor, stress):
     values = np.concatenate([catalogue.data[abscissa].values for catalogue in named])
     values = values[np.isfinite(values) & (values > 0.0)]
     in_x, unit = prefixed(si, float(values.max(initial=0.0)) or 1.0)
-    for catalogue in named:
-        events, style = catalogue.data, catalogue.style
+    for events, title, color, marker, face in named:
         loaded = np.isin(events.event_status, (0, 4)) & events.recurrence.notnull().values
         data, line = events.isel(event=loaded), events.sel(abscissa=abscissa)
         x, y = in_x * data[abscissa].values, factor * data.stress_drop.values
         error = factor * data.stress_drop_error.values
-        name = catalogue.name if len(named) > 1 else ""
+        name = title if len(named) > 1 else ""
         if np.isfinite(line.trend_B):
             ends = np.geomspace(np.nanmin(x), np.nanmax(x), POINTS)
             fitted = float(line.trend_A) + float(line.trend_B) * np.log10(ends / in_x)
-            ax.plot(ends, factor * fitted, color=catalogue.color, lw=1.0)
+            ax.plot(ends, factor * fitted, color=color, lw=1.0)
             name += ": " if name else ""
-            name += f"{_slope(line, factor)} {stress} a decade"
+            slope = with_error(factor * float(line.trend_B), factor * float(line.trend_B_error))
+            slope = slope.replace("+-", r"$\pm$").replace("-", "\N{MINUS SIGN}", slope[0] == "-")
+            name += f"{slope} {stress} a decade"
         x_error = in_x * data[f"{abscissa}_error"].values
-        ax.errorbar(x, y, error, x_error, **style, ls="", elinewidth=0.7, label=name or None)
+        style = {"color": color, "marker": marker, "mfc": face, "ms": 4, "mew": 0.9, "ls": ""}
+        ax.errorbar(x, y, error, x_error, **style, elinewidth=0.7, label=name or None)
     if values.size and values.max() > LOGARITHMIC * values.min():
         ax.set_xscale("log")
         plain_ticks(ax.xaxis, in_x * values)
@@ -148,9 +143,3 @@ def _drops(named, ax, abscissa, factor, stress):
     ax.margins(y=0.25)
     if ax.get_legend_handles_labels()[1]:
         ax.legend(loc="upper left" if abscissa == "recurrence" else "upper right", fontsize=6.5)
-
-
-def _slope(line, factor):
-    """B with its error, in the axis' unit."""
-    text = with_error(factor * float(line.trend_B), factor * float(line.trend_B_error))
-    return text.replace("+-", r"$\pm$").replace("-", "\N{MINUS SIGN}", text.startswith("-"))

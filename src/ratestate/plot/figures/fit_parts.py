@@ -196,9 +196,6 @@ def _heading(symbol, laws):
 
 def _cells(estimate):
     """Return value and error under each law, with the signs of print."""
-    values = [value for value, *_ in estimate.texts]
-    return ["stable" if text == STABLE_AT_ANY_K else _printed(text) for text in values]
-
-
-def _printed(text):
-    return text.replace("+-", "\N{PLUS-MINUS SIGN}").replace("-", "\N{MINUS SIGN}")
+    texts = ("stable" if text == STABLE_AT_ANY_K else text for text, *_ in estimate.texts)
+    texts = (text.replace("+-", "\N{PLUS-MINUS SIGN}") for text in texts)
+    return [text.replace("-", "\N{MINUS SIGN}") for text in texts]

@@ -162,7 +162,6 @@ def _share(column, *, named):
 
 
 def cycles_figure(result):
-    """Draw the figure of a fit against cycles."""
     record = record_of(result, "time")
     laws, t = record.laws, record.t
     fig, (top, *below) = titled_figure(result, laws, sum(HEIGHTS))

@@ -10,13 +10,11 @@ from ..curves import ALL_ROWS, scatter
 from ..labels import BLUE, DASHED, GRAY, LAWS, RED, prefixed
 from ..layout import ABOVE, figure, letters, plain_ticks, styled
 
-#: what is drawn against hold time -> the name of its axis
+#: what is drawn against hold time -> the name of its axis, its rate, and the symbol of this
 PANELS = {
-    "delta_mu": r"Healing $\Delta\mu$",
-    "delta_mu_c": r"Relaxation $\Delta\mu_c$",
+    "delta_mu": (r"Healing $\Delta\mu$", "beta", r"\beta"),
+    "delta_mu_c": (r"Relaxation $\Delta\mu_c$", "beta_c", r"\beta_c"),
 }
-#: rate of each, and its symbol
-RATES = {"delta_mu": ("beta", r"\beta"), "delta_mu_c": ("beta_c", r"\beta_c")}
 PER_DECADE = r"$\cdot$10$^{-3}$ per decade"
 #: shade and name of a hold, by whether it is evaluated
 HOLDS = {True: ("#e4ecff", "hold"), False: ("0.9", "hold, not evaluated")}
@@ -31,7 +29,6 @@ DRAWN = {"slope": ("slopes", "slope_K"), "ring_down": ("ring-downs", "ring_down_
 
 @styled
 def healing_figure(result):
-    """Draw the figure of a result of `healing`."""
     holds, found = result.sizes["hold"], int((result["hold_status"] == 0).sum())
     source = attribute_text(result, "source", "")
     title = f"Healing{f' in {source}' if source else ''}: {found} of {holds} holds evaluated"
@@ -73,7 +70,7 @@ def _against_hold_time(result, name, ax):
     values, errors = (MILLI * result[key].values for key in (name, f"{name}_error"))
     look = {"fmt": "o", "ms": 4.0, "color": "k", "capsize": 2.0, "lw": 0.9, "zorder": 4}
     ax.errorbar(t_hold, values, errors, label="measured", **look)
-    rate, symbol = RATES[name]
+    axis_name, rate, symbol = PANELS[name]
     if np.isfinite(float(result[rate])):
         line_t = result["line_t_hold"].values
         line, error = (MILLI * result[f"line_{name}{end}"].values for end in ("", "_error"))
@@ -87,7 +84,7 @@ def _against_hold_time(result, name, ax):
         _predicted(result.sel(law=law), name, rate, ax, LAWS[law])
     ax.set_xscale("log")
     plain_ticks(ax.xaxis, t_hold)
-    ax.set(xlabel="Hold time [s]", ylabel=f"{PANELS[name]} [$10^{{-3}}$]")
+    ax.set(xlabel="Hold time [s]", ylabel=f"{axis_name} [$10^{{-3}}$]")
     ax.legend(loc="best", fontsize=7)
 
 
@@ -105,7 +102,6 @@ def _predicted(part, name, rate, ax, law):
 
 @styled
 def machine_figure(result):
-    """Draw the figure of a result of `machine_stiffness`."""
     source = attribute_text(result, "source", "")
     title = f"Machine{f' of {source}' if source else ''}: " + ", ".join(
         estimate(result, symbol) for symbol in ("K", "M", "damping")

@@ -34,7 +34,6 @@ COMPACT = {"handlelength": 1.5, "handletextpad": 0.5, "columnspacing": 1.0}
 
 @styled
 def run_figure(run):
-    """Draw the figure of one slider's run."""
     end, law = with_unit("t", float(run.time[-1])), LAWS[parameter(run, "law")].name
     unstable = ", up to the quasi-static instability" if int(run.status) == RUNAWAY else ""
     return _motion(run, f"Run of {end}{unstable}, {law}", run)

@@ -138,8 +138,8 @@ def _combine_steps(result):
     """Return a result with steps as one fit: shared estimates, or else medians."""
     values = {}
     for name in result["parameter"].values.tolist():
-        each, shared = result[name], result["shared"].sel(parameter=name, drop=True)
-        values[name] = shared.fillna(each.median("step")).assign_attrs(each.attrs)
+        estimates, shared = result[name], result["shared"].sel(parameter=name, drop=True)
+        values[name] = shared.fillna(estimates.median("step")).assign_attrs(estimates.attrs)
     return result.isel(step=0, drop=True).drop_vars("sigma").assign(values)
 
 

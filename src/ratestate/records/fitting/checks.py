@@ -11,6 +11,7 @@ from .forward import Forward
 from .identifiability import bounds_of, identifiability
 from .inference import longest_distance
 from .problem import before_first_change, change_times
+from .quantities import SIDES
 from .solutions import FALL, chi2_gain, responds, response
 from .unknowns import motion_symbols, parameter
 
@@ -33,8 +34,6 @@ LIGHT = 1e-3
 #: largest mass of a machine per area of the contact [kg/m^2], that of 100 m of steel: ten times the
 #: length of the largest pistons, on a contact of a tenth of their section
 HEAVIEST = 7850.0 * 100.0
-#: side of a bound -> its name
-SIDES = {-1: "lower", 1: "upper"}
 
 
 def diagnose(inference, data):
@@ -83,11 +82,11 @@ def search_warnings(inference):
     is_open = [q.name for q in coordinates if None in bounds_of(inference, q)]
     for point, (name, side) in zip(solution.point, solution.sides.items(), strict=True):
         if side and parameter(name).group == "start":
-            values = {"ratio": np.exp(point), "side": SIDES[side]}
+            values = {"ratio": np.exp(point), "side": SIDES[side > 0]}
             yield sentences("search.start_at_bound", name=name, **values)
         elif side and name not in is_open:
-            shown = readable(name, inference.estimates.of(name).value, 3)
-            yield sentences("search.at_bound", name=name, value=shown, side=SIDES[side])
+            shown = readable(name, inference.estimates.by_name[name].value, 3)
+            yield sentences("search.at_bound", name=name, value=shown, side=SIDES[side > 0])
 
 
 def _posterior_warnings(posterior, quantities):
@@ -98,7 +97,8 @@ def _posterior_warnings(posterior, quantities):
     for quantity in quantities:
         if side := posterior.truncated_side(quantity):
             end = float(quantity.si(posterior.prior[quantity.name][side > 0]))
-            yield sentences("posterior.truncated", name=quantity.name, side=SIDES[side], end=end)
+            values = {"side": SIDES[side > 0], "end": end}
+            yield sentences("posterior.truncated", name=quantity.name, **values)
 
 
 def _ends_early(inference):
@@ -130,10 +130,9 @@ def _misfit(inference):
     if inference.p_value < CHANCE:
         massless = solution.problem.forward.fixed["M"] == 0.0
         mass = "give the machine's mass (M is 0), " if massless else ""
-        other = "another law"
-        if len(solution.problem.law.states) == 1:
-            other += ", such as two-state-aging or two-state-slip"
-        yield sentences("residuals.after_steps", chance=inference.p_value, mass=mass, other=other)
+        is_simple = len(solution.problem.law.states) == 1
+        values = {"laws": ", such as two-state-aging or two-state-slip" if is_simple else ""}
+        yield sentences("residuals.after_steps", chance=inference.p_value, mass=mass, **values)
     elif np.isnan(inference.p_value):
         yield sentences("residuals.not_tested")
 
@@ -162,14 +161,14 @@ def _trend(inference):
     if (values := without_trend(inference)) is None:
         return
     symbol = f"trend_{solution.problem.record.trend}"
-    trend = estimates.of(symbol)
+    trend = estimates.by_name[symbol]
     if abs(trend.value) < CLEAR * trend.error or _is_confirmed_before_steps(solution, trend):
         return
     names, moved = {"a_minus_b": rate_dependence_text([solution.problem.law])}, []
     for quantity, value in zip(inference.quantities, values, strict=True):
         is_own = quantity.is_free and parameter(quantity.name).group == "slider"
-        error = estimates.of(quantity.name).error
-        change = (value - estimates.of(quantity.name).value) / error
+        error = estimates.by_name[quantity.name].error
+        change = (value - estimates.by_name[quantity.name].value) / error
         if (is_own or quantity.name in names) and abs(change) > 1.0:
             name = names.get(quantity.name, quantity.name)
             moved.append(f"{name} = {readable(quantity.name, value, 3)} ({change:+.2g} errors)")
@@ -225,8 +224,9 @@ def _rigid_machine(solution):
     record, slider = solution.problem.record, solution.problem.slider
     if np.isfinite(slider.K):
         return
-    sprung = [slider.replace(K=each * slider.sigma, M=0.0) for each in STIFFNESSES]
-    gain, _ = max(_gains(solution, [_friction_of(one, solution) for one in sprung], STIFFNESSES))
+    sprung = [slider.replace(K=K * slider.sigma, M=0.0) for K in STIFFNESSES]
+    frictions = [_friction_of(softer, solution) for softer in sprung]
+    gain, _ = max(_gains(solution, frictions, STIFFNESSES))
     if gain > FALL:
         yield sentences("rigid.sprung", gain=gain)
     elif "lag" not in solution.unknowns.names:

@@ -61,7 +61,7 @@ def joined(results, dim, names):
     results : iterable of Dataset
     names : names of the parameters, in order
     """
-    whole = xarray.concat(
+    table = xarray.concat(
         [
             result.reindex(parameter=names, other=names).assign_coords(
                 {d: range(result.sizes[d]) for d in result.dims if d not in result.coords}
@@ -72,10 +72,10 @@ def joined(results, dim, names):
         join="outer",
         combine_attrs="drop_conflicts",
     )
-    for name, variable in whole.data_vars.items():
+    for name, variable in table.data_vars.items():
         if variable.dtype == object:
-            whole[name] = variable.fillna("").astype(str)
-    return whole
+            table[name] = variable.fillna("").astype(str)
+    return table
 
 
 def with_comparison(result, criterion, fits):
@@ -89,8 +89,8 @@ def with_comparison(result, criterion, fits):
     weight = np.exp(-0.5 * difference)
     new = {"aic_difference": difference, "akaike_weight": weight / weight.sum("law")}
     texts, laws, has_steps = [], result["law"].values.tolist(), "step" in criterion.dims
+    total = criterion.sum("step") if has_steps else criterion
     if criterion.notnull().any():
-        total = criterion.sum("step") if has_steps else criterion
         texts.append(_by_likelihood(total.values, laws, fits))
     if "bic" in result:
         bic = result["bic"].where(criterion.notnull())
@@ -108,20 +108,14 @@ def with_comparison(result, criterion, fits):
             texts.append(sentences(f"evidence.{which}", **ranked, error=second))
     if texts and "noise_red" in result:
         is_red = (result["noise_red"] > 0.0).any([d for d in criterion.dims if d != "law"])
-        red, best = result["law"].values[is_red.values].tolist(), _best(criterion)
-        if red:
-            which = "correlated" if best in red else "others_correlated"
+        if red := result["law"].values[is_red.values].tolist():
+            is_best = laws[int(total.argmin("law"))] in red
+            which = "correlated" if is_best else "others_correlated"
             texts.append(sentences(f"likelihood.{which}", laws=law_names(red)))
     result = result.assign(
         {name: x.transpose(*criterion.dims).assign_attrs(attrs(name)) for name, x in new.items()}
     )
     return result.assign_attrs(comparison=" ".join(texts)) if texts else result
-
-
-def _best(criterion):
-    """Return the law with the least criterion, summed over steps."""
-    total = criterion.sum([d for d in criterion.dims if d != "law"])
-    return total["law"].values[int(total.argmin("law"))]
 
 
 def _ranked(values, laws):
@@ -149,13 +143,14 @@ def _share(weight):
 
 def estimate_variables(estimates):
     """Return the Dataset of `Estimates` [SI]."""
-    names = list(estimates.names)
+    names = [*estimates.by_name]
+    values, errors, intervals, kinds = map(list, zip(*estimates.by_name.values(), strict=True))
     variables = {
-        **labelled((), **dict(zip(names, estimates.values.tolist(), strict=True))),
-        **labelled("parameter", standard_error=estimates.errors),
-        **labelled(("parameter", "level", "side"), interval=estimates.intervals),
+        **labelled((), **dict(zip(names, values, strict=True))),
+        **labelled("parameter", standard_error=errors),
+        **labelled(("parameter", "level", "side"), interval=intervals),
         **labelled(("parameter", "other"), correlation=estimates.correlation),
-        **labelled("parameter", interval_kind=list(estimates.kinds)),
+        **labelled("parameter", interval_kind=kinds),
     }
     coords = {"parameter": names, "other": names, "level": list(LEVELS), "side": list(SIDES)}
     return xarray.Dataset(variables, coords)

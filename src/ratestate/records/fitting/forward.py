@@ -34,8 +34,6 @@ class ForwardModel:
 
     def __init__(self, names, steps):
         self.names, self.steps, self.evaluations = names, steps, 0
-        #: name and point (bytes) of a reported quantity -> its derivatives
-        self.gradients: dict = {}
 
     def values(self, points):
         """Return name -> (n,) values [SI] at points (n, k)."""
@@ -249,8 +247,8 @@ def _difference(above, centre, below, up, down):
 def cases_of(*, kappa, **columns):
     """Return `Cases` of n sliders under one loading; a number serves all sliders."""
     columns = {"loading": 0, "observe": 0.0, "sigma": 1.0, "kappa": kappa} | columns
-    each = {k: np.full(kappa.size, v) if np.ndim(v) == 0 else v for k, v in columns.items()}
-    return Cases(**each)
+    filled = {k: np.full(kappa.size, v) if np.ndim(v) == 0 else v for k, v in columns.items()}
+    return Cases(**filled)
 
 
 def marched(law, cases, loads, times):

@@ -23,10 +23,10 @@ def identifiability(inference):
     """Return a note on what a record determines (str), and warnings (list of str)."""
     problem = inference.solution.problem
     free = [quantity for quantity in inference.quantities if quantity.is_free]
-    each = [_determination(inference, quantity) for quantity in free]
-    warnings = [warning for _, warning in each if warning]
-    determined = ", ".join(text for text, warning in each if not warning)
-    undetermined = ", ".join(text for text, warning in each if warning)
+    pairs = [_determination(inference, quantity) for quantity in free]
+    warnings = [warning for _, warning in pairs if warning]
+    determined = ", ".join(text for text, warning in pairs if not warning)
+    undetermined = ", ".join(text for text, warning in pairs if warning)
     which = "all" if not undetermined else "some" if determined else "none"
     lists = {"determined": determined, "undetermined": undetermined}
     notes = [sentences(f"note.{which}", law=problem.law.name, **lists)]
@@ -47,7 +47,7 @@ def identifiability(inference):
 
 def _determination(inference, quantity):
     """Return a parameter with its error or bound as text, and its warning or ""."""
-    name, estimate = quantity.name, inference.estimates.of(quantity.name)
+    name, estimate = quantity.name, inference.estimates.by_name[quantity.name]
     row = parameter(name)
     remedy = sentences(f"remedy.{inference.solution.problem.kind}")
     if not np.isfinite(estimate.error):
@@ -78,7 +78,7 @@ def bounds_of(inference, quantity):
     """Return ends [SI] of a profile's 95 % interval; None: open, NaN: no profile."""
     if quantity.name not in inference.profiles:
         return np.nan, np.nan
-    estimate = inference.estimates.of(quantity.name)
+    estimate = inference.estimates.by_name[quantity.name]
     if estimate.kind != "profile":  # intervals of a posterior are never open
         ends = quantity.si(inference.profiles[quantity.name].interval()[-1])
     else:
@@ -108,7 +108,7 @@ def _tradeoffs(inference, free):
     """Return the `tradeoff_text` of groups whose covariance is a good approximation."""
     estimates, names = inference.estimates, []
     for name in (name for name in free if parameter(name).group == "slider"):
-        estimate = estimates.of(name)
+        estimate = estimates.by_name[name]
         if 0.5 < _relative_error(name, estimate) / estimate.relative_error < 2.0:
             names.append(name)
     rate = rate_dependence_text([inference.solution.problem.law])
@@ -128,16 +128,16 @@ def tradeoff_text(estimates, which, rate="a - b"):
 
     Combinations are principal axes of the covariance of logarithms.  "a_minus_b" is called `rate`.
     """
-    group = [estimates.of(name) for name in which]
-    errors = np.array([one.relative_error for one in group])
+    group = [estimates.by_name[name] for name in which]
+    errors = np.array([estimate.relative_error for estimate in group])
     # for b < 0 use ln(-b), whose correlations have the other sign
-    signs = np.sign([one.value for one in group])
+    signs = np.sign([estimate.value for estimate in group])
     correlation = estimates.correlation_of(which) * np.outer(signs, signs)
     variance, axes = np.linalg.eigh(correlation * np.outer(errors, errors))
     best, worst = np.sqrt(np.maximum(variance[[0, -1]], 0.0))
     best_text = f"{product(which, axes[:, 0])} to {percent(best)}"
     if "a" in which and "b" in which:
-        difference = estimates.of("a_minus_b")
+        difference = estimates.by_name["a_minus_b"]
         best_text += f", and {rate} = {with_error(difference.value, difference.error)}"
     if worst < LOOSE:
         return best_text, False

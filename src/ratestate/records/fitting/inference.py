@@ -35,7 +35,8 @@ class Inference(NamedTuple):
 def inferences_of(data, settings, loading=None):
     """Return an `Inference` for each law (list); arguments as for `solutions_of`."""
     noise, errors = settings.noise, settings.errors
-    inferences = [infer(one, noise, errors) for one in solutions_of(data, settings, loading)]
+    solutions = solutions_of(data, settings, loading)
+    inferences = [infer(solution, noise, errors) for solution in solutions]
     return with_posteriors(inferences) if errors == "posterior" else inferences
 
 
@@ -70,7 +71,7 @@ def infer_quantities(solution, quantities, noise, with_profiles=True, all_profil
             break
         except BetterPoint as better:
             if attempt < REFITS:
-                solution = solution_from(solution.problem, better.point, noise)
+                solution = solution_from(solution.problem, better.args[0], noise)
                 likely, widened = _noise_and_widening(solution, quantities, noise)
     point = solution.point
     root = np.array([q.gradient(point) for q in quantities]) @ solution.root
@@ -144,11 +145,9 @@ def longest_distance(estimates, slider):
     """
     distances = []
     for symbol in slider.friction_law.lengths:
-        given = float(getattr(slider, symbol))
-        if symbol in estimates.names:
-            estimate = estimates.of(symbol)
-            distances.append((estimate.value, float(estimate.interval[-1, 1]), symbol))
-        else:
-            distances.append((given, given, symbol))
+        value = high = float(getattr(slider, symbol))
+        if estimate := estimates.by_name.get(symbol):
+            value, high = estimate.value, float(estimate.interval[-1, 1])
+        distances.append((value, high, symbol))
     value, high, symbol = max(distances)
     return symbol, value, high

@@ -83,12 +83,12 @@ class LikelyNoise(NamedTuple):
         chosen = [i for i in coordinates if i in seen]
         if not chosen:
             return Inflation()
-        others = [i for i in seen if i not in chosen]
-        columns = self.solution.jacobian[:, chosen + others]
+        columns = self.solution.jacobian[:, chosen + [i for i in seen if i not in chosen]]
         remainder = project_out(self.solution, columns, len(chosen))
         information, rows = remainder.T @ remainder, np.ix_(chosen, chosen)
         squares = [root @ root.T + np.outer(shift, shift) for shift, root in self.estimates]
-        factors = np.array([np.sum(information * one[rows]) for one in squares]) / len(chosen)
+        factors = np.array([np.sum(information * square[rows]) for square in squares])
+        factors /= len(chosen)
         factor = float(self.weight @ factors)
         return Inflation(factor, float(self.weight @ (factors / factor - 1.0) ** 2))
 
@@ -111,17 +111,17 @@ def likely_estimates(likelihood, near=None, peaks=None):
     The weights add up to 1.  The list is empty if no shape is possible.
     """
     shapes, priors = [likelihood.at()], [1.0]
-    each = families(likelihood)
-    peaks = [modes(family, near) for family in each] if peaks is None else peaks
-    for family, found in zip(each, peaks, strict=True):
+    kinds = families(likelihood)
+    peaks = [modes(family, near) for family in kinds] if peaks is None else peaks
+    for family, found in zip(kinds, peaks, strict=True):
         likely, part = _grid_shapes(family, found)
         shapes += likely
         priors += [part] * len(likely)
-    log_weight = np.array([one.log_likelihood for one in shapes])
+    log_weight = np.array([shape.log_likelihood for shape in shapes])
     if not np.isfinite(log_weight).any():
         return [], log_weight
     weight = np.array(priors) * np.exp(log_weight - log_weight.max())
-    return [likelihood.shift_and_root(one.factor) for one in shapes], weight / weight.sum()
+    return [likelihood.shift_and_root(shape.factor) for shape in shapes], weight / weight.sum()
 
 
 def _quantile(weight, means, spreads, part):

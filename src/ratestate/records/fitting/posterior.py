@@ -166,7 +166,6 @@ class Posterior(NamedTuple):
 
     @property
     def reliable(self):
-        """Whether there are enough effective samples."""
         return self.effective >= FEWEST
 
     def interval(self, quantity):
@@ -199,8 +198,8 @@ def common_prior(inferences):
             if name in profiles:
                 ends = profiles[name].interval()[-1].tolist()
             lower, upper = np.clip(_prior_ends(name, estimate, *ends), low, high).tolist()
-            others = box.get(name, (lower, upper))
-            box[name] = (min(lower, others[0]), max(upper, others[1]))
+            least, most = box.get(name, (lower, upper))
+            box[name] = (min(lower, least), max(upper, most))
     return box
 
 

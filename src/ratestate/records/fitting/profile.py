@@ -46,10 +46,6 @@ ROUNDS = 2
 class BetterPoint(Exception):
     """Raised with a point of a profile that fits better than the fit."""
 
-    def __init__(self, point):
-        super().__init__()
-        self.point = point
-
 
 class Profile(NamedTuple):
     """Values of a quantity in increasing order, with the deviance at each."""
@@ -71,14 +67,10 @@ class Profile(NamedTuple):
         An end is infinite if the root stays smaller, or the last value if no motion is beyond it.
         """
         interval = np.empty(roots.shape)
-        curve = (
-            scipy.interpolate.PchipInterpolator(self.values, self.root)
-            if self.values.size > 1
-            else None
-        )
         for side, (sign, last) in enumerate(((-1, 0), (1, -1))):
             for level, target in enumerate(roots[:, side]):
-                if curve is not None and self.deviance[last] >= target**2:
+                if self.deviance[last] >= target**2:
+                    curve = scipy.interpolate.PchipInterpolator(self.values, self.root)
                     crossings = curve.solve(sign * target, extrapolate=False)
                     interval[level, side] = crossings.max() if side else crossings.min()
                 else:
@@ -101,8 +93,8 @@ def compute_profile(solution, quantity, fits=(), roots=GAUSSIAN, least_gain=LEAS
         for sign, root in zip((-1.0, 1.0), roots[-1], strict=True)
     )
     ends = low.extend(), high.extend()
-    both = ((low.values, high.values), (low.deviance, high.deviance), (low.points, high.points))
-    values, deviance, points = (np.array([*below[:0:-1], *above]) for below, above in both)
+    pairs = ((low.values, high.values), (low.deviance, high.deviance), (low.points, high.points))
+    values, deviance, points = (np.array([*below[:0:-1], *above]) for below, above in pairs)
     return Profile(values, deviance, points, ends)
 
 
@@ -215,19 +207,17 @@ def penalized_fit(solution, quantity, value, step, starts):
     return reached, best.x, chi2 - solution.chi2
 
 
-def compute_profiles(solution, quantities, all_quantities, roots=None, least_gain=LEAST_GAIN):
+def compute_profiles(solution, quantities, all_quantities, roots, least_gain=LEAST_GAIN):
     """Return name -> `Profile` of quantities with a likelihood that is not Gaussian.
 
     all_quantities : whether to compute profiles of the other quantities as well
-    roots : (quantities, levels, sides) of the deviance at the ends of intervals; by default those
-        for known noise
+    roots : (quantities, levels, sides) of the deviance at the ends of intervals
 
     Where one quantity goes far, others may follow it.  So each profile also starts from the fits of
     other profiles, and is computed again if those fit better than its own.  `BetterPoint` is
     raised if a fit is better than the solution.
     """
     left_out = [False] * len(quantities) if all_quantities else are_gaussian(solution, quantities)
-    roots = [GAUSSIAN] * len(quantities) if roots is None else roots
     roots_of = {q.name: own for q, own in zip(quantities, roots, strict=True)}
     todo = [q for q, is_left_out in zip(quantities, left_out, strict=True) if not is_left_out]
     profiles: dict[str, Profile] = {}
@@ -254,7 +244,7 @@ def are_gaussian(solution, quantities):
     """
     point, problem = solution.point, solution.problem
     errors = np.array([quantity.standard_error(solution) for quantity in quantities])
-    along = np.array([solution.covariance_with(one) for one in quantities]) / errors[:, None]
+    along = np.array([solution.covariance_with(q) for q in quantities]) / errors[:, None]
     points = np.concatenate([point - 2.0 * along, point + 2.0 * along])
     is_valid = ((points > problem.unknowns.low) & (points < problem.unknowns.high)).all(axis=1)
     points[~is_valid] = point

@@ -58,12 +58,9 @@ class ReportedQuantity(NamedTuple):
         """Return the derivatives (k,) of `value` by the coordinates."""
         if self.function is None:
             return (np.array(self.forward.names) == self.name).astype(float)
-        kept, key = self.forward.gradients, (self.name, point.tobytes())
-        if key not in kept:
-            above, below = self.forward.neighbours(point)
-            high, low = np.split(self.values(np.concatenate([above, below])), 2)
-            kept[key] = (high - low) / np.diag(above - below)
-        return kept[key]
+        above, below = self.forward.neighbours(point)
+        high, low = np.split(self.values(np.concatenate([above, below])), 2)
+        return (high - low) / np.diag(above - below)
 
     def si(self, value):
         if self.function is None:
@@ -93,11 +90,11 @@ def reported_quantities(problem):
         linear = linearisation(friction, friction.coefficient_arrays(V, values))
         return values["a"] * (linear.direct - linear.evolution.sum(axis=-1))
 
-    free = [name for name in names if parameter(name).group in ("slider", "record")]
-    rows = [(name, parameter(name)) for name in free]
+    rows = {name: parameter(name) for name in names}
+    free = [name for name, row in rows.items() if row.group in ("slider", "record")]
     quantities = [
-        ReportedQuantity(name, forward, is_log=row.is_log, no_effect=row.no_effect)
-        for name, row in rows
+        ReportedQuantity(name, forward, None, rows[name].is_log, rows[name].no_effect)
+        for name in free
     ]
     quantities.append(ReportedQuantity("mu0", forward, mu0))
     rate = ReportedQuantity("a_minus_b", forward, rate_dependence)
@@ -114,12 +111,12 @@ def reported_quantities(problem):
 
 
 class Estimate(NamedTuple):
-    """The `Estimates` of one quantity."""
+    """The estimate of a quantity [SI]."""
 
     value: float
-    error: float
+    error: float  # standard error
     interval: np.ndarray  # (levels, sides)
-    kind: str
+    kind: str  # source of the interval: "covariance", "profile" or "posterior"
 
     @property
     def relative_error(self):
@@ -128,35 +125,23 @@ class Estimate(NamedTuple):
 
 
 class Estimates(NamedTuple):
-    """p estimates [SI] with errors, intervals and correlation."""
+    """Estimates of p quantities, and their correlation."""
 
-    names: tuple  # symbols
-    values: np.ndarray  # (p,)
-    errors: np.ndarray  # (p,) standard errors
-    intervals: np.ndarray  # (p, levels, sides)
+    by_name: dict  # symbol -> `Estimate`
     correlation: np.ndarray  # (p, p), of the logarithms of positive quantities
-    kinds: tuple  # source of each interval: "covariance", "profile" or "posterior"
-
-    def of(self, name):
-        """Return the `Estimate` of this name; ValueError if there is none."""
-        i = self.names.index(name)
-        return Estimate(float(self.values[i]), self.errors[i], self.intervals[i], self.kinds[i])
 
     def correlation_of(self, names):
         """Return the correlation (n, n) of these names."""
-        which = [self.names.index(name) for name in names]
+        which = [[*self.by_name].index(name) for name in names]
         return self.correlation[np.ix_(which, which)]
 
     def with_intervals(self, intervals, kind):
-        """Return `Estimates` with some intervals replaced.
-
-        intervals : name -> (levels, sides) [SI]; other names are ignored
-        kind : source of these intervals
-        """
-        named = list(zip(self.names, self.intervals, self.kinds, strict=True))
-        ends = np.array([intervals.get(name, old) for name, old, _ in named])
-        kinds = tuple(kind if name in intervals else old for name, _, old in named)
-        return self._replace(intervals=ends, kinds=kinds)
+        """Return `Estimates` with some intervals, name -> (levels, sides) [SI], of this kind."""
+        changed = {
+            name: self.by_name[name]._replace(interval=interval, kind=kind)
+            for name, interval in intervals.items()
+        }
+        return self._replace(by_name=self.by_name | changed)
 
 
 def estimates_from(names, centres, covariance, is_log, roots=GAUSSIAN):
@@ -176,15 +161,10 @@ def estimates_from(names, centres, covariance, is_log, roots=GAUSSIAN):
     logs = is_log[:, None, None]
     ends = np.where(logs & (np.abs(ends - centres[:, None, None]) > ENDLESS), np.inf * sides, ends)
     values = _from_logs(centres, is_log)
-    scaled = np.where(is_log, values, 1.0) * errors
-    return Estimates(
-        names,
-        values,
-        np.where(errors < UNSEEN, scaled, np.inf),
-        _from_logs(ends, logs),
-        covariance / np.outer(errors, errors),
-        ("covariance",) * len(names),
-    )
+    scaled = np.where(errors < UNSEEN, np.where(is_log, values, 1.0) * errors, np.inf)
+    rows = zip(names, values.tolist(), scaled, _from_logs(ends, logs), strict=True)
+    by_name = {name: Estimate(x, error, pair, "covariance") for name, x, error, pair in rows}
+    return Estimates(by_name, covariance / np.outer(errors, errors))
 
 
 def _from_logs(values, is_log):

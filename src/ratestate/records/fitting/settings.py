@@ -52,8 +52,8 @@ def checked_settings(slider, *, free, law, noise, per_step=False, loading=None, 
     sliders = sliders_under(slider, law)
     free = checked_free(free, sliders)
     if choices["against"] == "cycles":
-        for one in sliders:
-            check_one_length("fit(..., against='cycles')", one.friction_law.name)
+        for friction_law in [slider.friction_law for slider in sliders]:
+            check_one_length("fit(..., against='cycles')", friction_law.name)
         names = ("trend", "start", "errors")
         changed = [name for name in names if choices[name] != CHOICES[name][0]]
         changed += [] if noise is None else ["noise"]
@@ -83,11 +83,11 @@ def sliders_under(slider, law):
     laws = [resolve_law(name) for name in ([slider.law if law is None else law] if is_one else law)]
     if not laws or len(set(laws)) < len(laws):
         raise sentences.refusal("settings.laws", law=law)
-    for one in laws:
-        names = ", ".join(symbol for symbol in one.parameters if symbol not in slider.values)
-        if names:
-            raise sentences.refusal("settings.lacks", law=one.name, names=names, of=slider.law)
-        for symbol in one.parameters:
-            if symbol in (*PARAMETERS, *LINEAR, *DERIVED, *start_names(one)):
-                raise sentences.refusal("settings.name_taken", law=one.name, symbol=symbol)
-    return [slider.replace(law=one.name) for one in laws]
+    for friction_law in laws:
+        parameters, name = friction_law.parameters, friction_law.name
+        if lacks := ", ".join(symbol for symbol in parameters if symbol not in slider.values):
+            raise sentences.refusal("settings.lacks", law=name, names=lacks, of=slider.law)
+        for symbol in parameters:
+            if symbol in (*PARAMETERS, *LINEAR, *DERIVED, *start_names(friction_law)):
+                raise sentences.refusal("settings.name_taken", law=name, symbol=symbol)
+    return [slider.replace(law=friction_law.name) for friction_law in laws]

@@ -152,8 +152,8 @@ def _best_start(problem, *more_starts):
     searches: list = []
     for point in points:
         if result := search(thin_problem, point, noise, SEARCH_EVALUATIONS):
-            searches = sorted([*searches, result], key=lambda one: one.cost)
-            least = [one.x for one in searches if one.cost <= searches[0].cost * (1.0 + AGREE)]
+            searches = sorted([*searches, result], key=lambda end: end.cost)
+            least = [end.x for end in searches if end.cost <= searches[0].cost * (1.0 + AGREE)]
             in_order = [x for x in least if (np.diff(x[distances]) >= 0.0).all()]
             best = [*in_order, *least][0]
             # a third start hardly improves on a minimum that two starts have found
@@ -240,8 +240,8 @@ def _may_start_unsteady(solution):
     forward = Forward(problem.record, problem.slider, (*added, *problem.unknowns.names))
     jacobian = np.nan_to_num(forward.jacobian(np.append(np.zeros(len(added)), solution.point))[1])
     in_white_noise = solution._replace(noise=Noise(float(np.std(solution.residual))))
-    both = (solution, in_white_noise) if solution.noise.red else (solution,)
-    return any(chi2_gain(one, jacobian[:, : len(added)])[0] > FALL for one in both)
+    tested = (solution, in_white_noise) if solution.noise.red else (solution,)
+    return any(chi2_gain(fit, jacobian[:, : len(added)])[0] > FALL for fit in tested)
 
 
 def _early_log_likelihood(solution):
@@ -263,9 +263,9 @@ def chi2_gain(solution, added):
     added : (m, p) derivatives of friction by the new coordinates
     """
     columns = np.column_stack([solution.residual, added, solution.jacobian])
-    rest = project_out(solution, columns, 1 + added.shape[1])
-    moved = np.linalg.lstsq(rest[:, 1:], rest[:, 0], rcond=1e-6)[0]
-    return float(np.sum((rest[:, 1:] @ moved) ** 2)), moved
+    remainder = project_out(solution, columns, 1 + added.shape[1])
+    moved = np.linalg.lstsq(remainder[:, 1:], remainder[:, 0], rcond=1e-6)[0]
+    return float(np.sum((remainder[:, 1:] @ moved) ** 2)), moved
 
 
 def response(solution):
@@ -276,8 +276,8 @@ def response(solution):
     record = solution.problem.record
     lines = [values / np.abs(values).max() for values in record.regressors().values()]
     columns = np.column_stack([record.friction, *lines])
-    rest = project_out(solution, columns, 1)[:, 0]
-    return float(rest @ rest) - solution.chi2, len(solution.point) - columns.shape[1] + 1
+    residual = project_out(solution, columns, 1)[:, 0]
+    return float(residual @ residual) - solution.chi2, len(solution.point) - columns.shape[1] + 1
 
 
 def project_out(solution, columns, count):

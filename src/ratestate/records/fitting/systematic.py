@@ -40,8 +40,6 @@ def systematic_errors(problem, point, fitted, noise):
     columns = np.column_stack(
         [_of_step_times(problem, point, fitted), _of_rounding(problem.record, fitted, noise)]
     )
-    if not columns.shape[1]:
-        return None
     white, _ = noise.whiten(problem.t, columns)
     columns = columns[:, np.sum(white**2, axis=0) > NEGLIGIBLE]
     return columns if columns.shape[1] else None

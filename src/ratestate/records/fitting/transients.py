@@ -80,8 +80,8 @@ def _transients(solution, D):
     columns = columns[:, np.isfinite(columns).all(axis=0)]
     columns = columns / np.maximum(np.linalg.norm(columns, axis=0), TINY)
     basis = np.linalg.qr(jacobian[:, jacobian.any(axis=0)])[0]
-    rest, sizes, _ = np.linalg.svd(columns - basis @ (basis.T @ columns), full_matrices=False)
-    return rest[:, sizes > LEAST]
+    effects, sizes, _ = np.linalg.svd(columns - basis @ (basis.T @ columns), full_matrices=False)
+    return effects[:, sizes > LEAST]
 
 
 def _effects_of_falls(solution, starts, durations):

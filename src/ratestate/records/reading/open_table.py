@@ -46,11 +46,9 @@ class MemoryFile(NamedTuple):
         return self.name
 
     def stat(self):
-        """Return an object with the size as ``st_size``."""
         return SimpleNamespace(st_size=len(self.contents))
 
     def open(self, mode="rb"):
-        """Return the contents as a binary file."""
         return io.BytesIO(self.contents)
 
 
@@ -168,9 +166,8 @@ def read_mat(path):
     ParameterError if there are none; SciPy's errors if it cannot read the file.
     """
     with path.open("rb") as stored:
-        return _make_table(
-            path, list(_struct_columns("", scipy.io.loadmat(stored, simplify_cells=True)))
-        )
+        struct = scipy.io.loadmat(stored, simplify_cells=True)
+    return _make_table(path, [*_struct_columns("", struct)])
 
 
 def _struct_columns(group, struct):

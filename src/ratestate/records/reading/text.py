@@ -150,15 +150,11 @@ def _line_blocks(file, name):
                 raise sentences.refusal("text.long", name=name, **values)
         before += len(lines)
         text = "".join(lines)
-        plain = text.isascii() and "'" not in text
-        yield lines if plain else [_normalize_line(line) for line in lines]
-
-
-def _normalize_line(line):
-    """Replace typographic minus signs, and remove separators between groups of digits."""
-    for pattern, replacement in _TYPOGRAPHIC:
-        line = pattern.sub(replacement, line)
-    return line
+        if not text.isascii() or "'" in text:
+            for pattern, replacement in _TYPOGRAPHIC:
+                text = pattern.sub(replacement, text)
+            lines = io.StringIO(text).readlines()
+        yield lines
 
 
 def _parse_blocks(blocks, layout, start, most, header, name):

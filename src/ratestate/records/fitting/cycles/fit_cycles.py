@@ -20,7 +20,7 @@ from ..solutions import solution_from
 from ..unknowns import distinct
 from .folding import sliding_segments
 from .measured import corrected, measure
-from .problem import CyclesProblem, check_slider, starting_points
+from .problem import CyclesProblem, FeatureNoise, check_slider, starting_points
 from .waves import FEATURES, LEVEL, wave_at
 
 # Significance level of a misfit, beyond which errors are enlarged.
@@ -39,6 +39,8 @@ class CyclesFit(NamedTuple):
     runs: list  # `Solution` from each start, the best first
     enlarged: float  # factor by which errors are enlarged because of a misfit
     left_out: list  # warnings on segments that have no cycles
+    features: np.ndarray  # (s, 6) of the fitted cycles
+    waves: np.ndarray  # (s, q)
 
     @property
     def problem(self):
@@ -48,11 +50,6 @@ class CyclesFit(NamedTuple):
     def chi2(self):
         """Chi-square of the features with errors that are not enlarged."""
         return self.enlarged**2 * self.inference.solution.chi2
-
-    def cycles(self):
-        """Return features (s, 6) and waves (s, q) of the fitted cycles."""
-        features, waves = self.problem.forward.cycles(self.inference.solution.point[None])
-        return features[0], waves[0]
 
 
 def fit_cycles(record, slider, free, loading=None):
@@ -70,15 +67,17 @@ def fit_cycles(record, slider, free, loading=None):
     best, dof = runs[0], problem.dof
     misfit = dof > 0 and scipy.special.chdtrc(dof, best.chi2) < CHANCE
     enlarged = float(np.sqrt(best.chi2 / dof)) if misfit else 1.0
-    noise = problem.noise.times(enlarged)
+    noise = FeatureNoise(enlarged * problem.noise.root)
     solution = best._replace(
         problem=best.problem.bounded_about(best.point),
         noise=noise,
         root=enlarged * best.root,
         chi2=best.chi2 / enlarged**2,
     )
-    quantities = solution.problem.forward.quantities()
-    return CyclesFit(infer_quantities(solution, quantities, noise), runs, enlarged, left_out)
+    forward = solution.problem.forward
+    inference = infer_quantities(solution, forward.quantities(), noise)
+    features, waves = forward.cycles(inference.solution.point[None])
+    return CyclesFit(inference, runs, enlarged, left_out, features[0], waves[0])
 
 
 def _measured_segments(segments):
@@ -121,21 +120,19 @@ def cycles_datasets(data, settings, loading):
 
 
 def cycles_dataset(fit):
-    """Return the Dataset of a `CyclesFit`."""
-    features, waves = fit.cycles()
     measured = fit.problem.measured
     result = xarray.merge(
         [
             estimate_variables(fit.inference.estimates),
-            _feature_variables(measured, features),
+            _feature_variables(measured, fit.features),
             _start_variables(fit.runs),
-            _curves(measured, waves),
+            _curves(measured, fit.waves),
         ]
     )
     result["chi2"] = ((), fit.chi2, {"units": "1", "long_name": "chi-squared of the features"})
-    first, *others = (one.segment for one in measured)
+    first, *later = (m.segment for m in measured)
     start = result["time"].values[0]
-    steps = ((float(one.t[0] - start), one.V_lp) for one in others)
+    steps = ((float(segment.t[0] - start), segment.V_lp) for segment in later)
     record_loading(result, Loading.steps(first.V_lp, *steps))
     return result.assign(text_variables(*diagnose(fit)))
 
@@ -187,9 +184,9 @@ def _end_of(run):
 def _curves(measured, waves):
     """Return the record's cycles, and the model's cycles aligned with them."""
     parts = []
-    for one, wave in zip(measured, waves, strict=True):
-        cycles, model = one.cycles, wave_at(wave)
-        samples = one.segment.t, one.segment.y, cycles.phase
+    for m, wave in zip(measured, waves, strict=True):
+        cycles, model = m.cycles, wave_at(wave)
+        samples = m.segment.t, m.segment.y, cycles.phase
         t, y, phase = (column[cycles.inside] for column in samples)
         trend = cycles.slope * (t - cycles.middle)
         curves = [model(phase + shift) + trend for shift in SHIFTS]
@@ -201,10 +198,10 @@ def diagnose(fit):
     """Return a note on what is determined (str), and warnings (list of str)."""
     note, warnings = identifiability(fit.inference)
     notes = [note, sentences("cycles.numbers")]
-    notes += [f"{text[0].upper()}{text[1:]}." for one in fit.problem.measured for text in one.notes]
+    notes += [f"{text[0].upper()}{text[1:]}." for m in fit.problem.measured for text in m.notes]
     return " ".join(notes), [
         *fit.left_out,
-        *(text for one in fit.problem.measured for text in one.warnings),
+        *(text for m in fit.problem.measured for text in m.warnings),
         *search_warnings(fit.inference._replace(solution=fit.runs[0])),
         *_misfit(fit),
         *_equal_fits(fit),
@@ -217,7 +214,7 @@ def _misfit(fit):
     if fit.enlarged == 1.0:
         return
     off = []
-    for measured, features in zip(fit.problem.measured, fit.cycles()[0], strict=True):
+    for measured, features in zip(fit.problem.measured, fit.features, strict=True):
         difference = features - measured.values
         errors = np.sqrt(np.diag(measured.covariance))
         for i in np.flatnonzero(measured.used & (np.abs(difference) > 2.0 * errors)):

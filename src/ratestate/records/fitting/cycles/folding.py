@@ -48,7 +48,6 @@ class Cycles(NamedTuple):
 
     @property
     def n(self):
-        """Number of cycles."""
         return self.cuts.size - 1
 
     @property
@@ -66,11 +65,6 @@ class Cycles(NamedTuple):
         """Slope of the cuts against their number [s], which averages their noise."""
         number = np.arange(self.cuts.size) - 0.5 * self.n
         return float(number @ self.cuts / (number @ number))
-
-    def at(self, t):
-        """Return folded tau/sigma, with the trend, at times t [s] between the outer cuts."""
-        phase = np.interp(t, self.cuts, np.arange(self.cuts.size))
-        return periodic(self.profile, phase) + self.slope * (t - self.middle)
 
 
 def periodic(profile, phase):

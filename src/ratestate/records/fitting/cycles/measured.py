@@ -56,11 +56,6 @@ class MeasuredFeatures(NamedTuple):
     notes: tuple = ()  # on cycles left out, on the trend, on features that are not resolved
     warnings: tuple = ()  # on scatter
 
-    @property
-    def bins(self):
-        """Number of bins of the folded cycle."""
-        return self.cycles.profile.size
-
 
 def measure(segment):
     """Return the `MeasuredFeatures` of a segment."""
@@ -81,6 +76,7 @@ def corrected(measured, wave, features):
     features : (6,) of that cycle, without noise
     """
     segment, cycles = measured.segment, measured.cycles
+    bins = cycles.profile.size
     rng = np.random.default_rng(SEED)
     phase = (segment.t - cycles.cuts[0]) / cycles.period
     sample = float(np.median(np.diff(phase)))
@@ -91,7 +87,7 @@ def corrected(measured, wave, features):
         y = clean + measured.noise.draw(clean.size, rng)
         cuts = cut_cycles(segment.t, y, cycles.period)
         if cuts.size > FEWEST_CYCLES:
-            copies.append(fold(segment.t, y, cuts, measured.bins))
+            copies.append(fold(segment.t, y, cuts, bins))
     if len(copies) < COPIES // 2:
         amplitude = np.exp(measured.raw[AMPLITUDE])
         raise sentences.refusal(
@@ -110,7 +106,7 @@ def corrected(measured, wave, features):
         excess = np.where(scatter > limit * typical, scatter - typical, 0.0)
     covariance += np.diag(excess + np.where(np.arange(excess.size) == LEVEL, 0.0, MACHINE_ERROR**2))
     error = np.sqrt(np.diag(covariance))
-    parts = np.exp(measured.raw - measured.raw[PERIOD]) * measured.bins
+    parts = np.exp(measured.raw - measured.raw[PERIOD]) * bins
     used = np.isfinite(measured.raw) & (error < UNCERTAIN)
     within = [RISE, HIGH, DROP]
     used[within] &= parts[within] > RESOLVED
@@ -154,9 +150,9 @@ def _features(cycles):
 def _scatter(cycles):
     """Return variances (6,) of features from differences between cycles (jackknife)."""
     n = cycles.n
-    each = profile_features(cycles.leave_one_out, np.full(n, cycles.period))
+    copies = profile_features(cycles.leave_one_out, np.full(n, cycles.period))
     with np.errstate(invalid="ignore"):
-        variance = (n - 1) / n * np.sum((each - each.mean(axis=0)) ** 2, axis=0)
+        variance = (n - 1) / n * np.sum((copies - copies.mean(axis=0)) ** 2, axis=0)
     periods = np.diff(cycles.cuts)
     variance[PERIOD] = periods.var(ddof=1) / n / cycles.period**2
     variance[LEVEL] = cycles.means.var(ddof=1) / n
@@ -165,9 +161,10 @@ def _scatter(cycles):
 
 def _residual_noise(segment, cycles):
     """Return the `SampleNoise` about the folded cycle, robust against outliers."""
-    inside = cycles.inside
-    residual = segment.y[inside] - cycles.at(segment.t[inside])
-    residual -= np.interp(cycles.phase[inside], np.arange(cycles.n) + 0.5, cycles.means)
+    t, phase = segment.t[cycles.inside], cycles.phase[cycles.inside]
+    folded = periodic(cycles.profile, phase) + cycles.slope * (t - cycles.middle)
+    residual = segment.y[cycles.inside] - folded
+    residual -= np.interp(phase, np.arange(cycles.n) + 0.5, cycles.means)
     sd = 1.4826 * float(np.median(np.abs(residual)))
     sd *= np.sqrt(residual.size / max(residual.size - cycles.profile.size, 0.25 * residual.size))
     residual = np.clip(residual, -3.0 * sd, 3.0 * sd)

@@ -77,11 +77,11 @@ class CyclesForward(ForwardModel):
         super().__init__((*free, "level"), dict.fromkeys(free, STEP))
         symbols = motion_symbols(slider.friction_law)
         self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in symbols}
-        self.sigma, self.used = float(slider.sigma), np.array([one.used for one in measured])
+        self.sigma, self.used = float(slider.sigma), np.array([m.used for m in measured])
         # the parameter whose coordinate is ln(K_c/K - LOWEST_RATIO)
         self.replaced = "b" if "b" in free else "a" if "a" in free else None
-        self.V_lp = np.array([one.segment.V_lp for one in measured])
-        bins = [one.bins for one in measured]
+        self.V_lp = np.array([m.segment.V_lp for m in measured])
+        bins = [m.cycles.profile.size for m in measured]
         self.model = functools.partial(
             cycle_features, slider.law, V_lp=self.V_lp, bins=bins, V0=slider.V0
         )
@@ -98,10 +98,10 @@ class CyclesForward(ForwardModel):
         values |= zip(self.names[:-1], moved, strict=True)
         if self.replaced:
             excess = values[self.replaced]  # K_c/K - LOWEST_RATIO
-            rest = {s: values[s] for s in ("a", "b", "Dc", "M") if s != self.replaced}
+            known = {s: values[s] for s in ("a", "b", "Dc", "M") if s != self.replaced}
             solve = b_of_K_c if self.replaced == "b" else a_of_K_c
             critical = (excess + LOWEST_RATIO) * values["K"]
-            values[self.replaced] = solve(self.V_lp.min(), critical, sigma=self.sigma, **rest)
+            values[self.replaced] = solve(self.V_lp.min(), critical, sigma=self.sigma, **known)
         return values | {"level": points[:, -1]}
 
     def coordinates(self, values):
@@ -159,9 +159,6 @@ class FeatureNoise(NamedTuple):
             self.root, columns, lower=True, check_finite=False
         ), log_determinant
 
-    def times(self, factor):
-        return FeatureNoise(factor * self.root)
-
 
 class CyclesProblem(LeastSquares):
     """The `LeastSquares` of the features that a record resolves."""
@@ -170,21 +167,20 @@ class CyclesProblem(LeastSquares):
 
     def __init__(self, slider, free, measured):
         forward = CyclesForward(slider, free, measured)
-        observed = np.concatenate([one.values[one.used] for one in measured])
+        observed = np.concatenate([m.values[m.used] for m in measured])
         k = len(forward.names)
         unknowns = Unknowns(forward.names, np.full(k, -np.inf), np.full(k, np.inf))
         super().__init__(slider, forward, unknowns, np.arange(observed.size), observed)
         if len(free) >= observed.size:
             listed = "; ".join(
-                f"at {readable('V_lp', one.segment.V_lp)} "
-                + ", ".join(np.array(FEATURES)[one.used])
-                for one in measured
+                f"at {readable('V_lp', m.segment.V_lp)} {', '.join(np.array(FEATURES)[m.used])}"
+                for m in measured
             )
             names = {"count": len(free), "names": ", ".join(free)}
             counts = {"features": observed.size, "listed": listed}
             raise sentences.refusal("cycles.few_features", **names, **counts)
         self.measured = measured
-        blocks = [one.covariance[np.ix_(one.used, one.used)] for one in measured]
+        blocks = [m.covariance[np.ix_(m.used, m.used)] for m in measured]
         self.noise = FeatureNoise(np.linalg.cholesky(scipy.linalg.block_diag(*blocks)))
 
     @property
@@ -194,11 +190,11 @@ class CyclesProblem(LeastSquares):
 
     def bounded_about(self, point):
         """Return the problem with bounds at `REACH` from a point (k,)."""
-        other = copy.copy(self)
-        other.forward = copy.copy(self.forward)
+        bounded = copy.copy(self)
+        bounded.forward = copy.copy(self.forward)
         reach = np.append(np.full(point.size - 1, REACH), np.inf)
-        other.unknowns = Unknowns(self.unknowns.names, point - reach, point + reach)
-        return other
+        bounded.unknowns = Unknowns(self.unknowns.names, point - reach, point + reach)
+        return bounded
 
 
 def starting_points(problem):

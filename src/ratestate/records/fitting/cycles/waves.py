@@ -235,10 +235,10 @@ def cycle_features(law, values, V_lp, bins, V0, near=None):
     `profile_features` gives the features; they are NaN without a cycle.
     """
     n, s = values["a"].size, V_lp.size
-    each, V_lp = {symbol: np.repeat(value, s) for symbol, value in values.items()}, np.tile(V_lp, n)
-    cycles = limit_waves(law, each, V_lp, None if near is None else np.tile(near, (n, 1)))
-    steady = mu_ss(V_lp, a=each["a"], b=each["b"], mu0=0.0, V0=V0)
-    waves = (steady[:, None] + each["a"][:, None] * cycles.x).reshape(n, s, -1)
+    values, V_lp = {name: np.repeat(x, s) for name, x in values.items()}, np.tile(V_lp, n)
+    cycles = limit_waves(law, values, V_lp, None if near is None else np.tile(near, (n, 1)))
+    steady = mu_ss(V_lp, a=values["a"], b=values["b"], mu0=0.0, V0=V0)
+    waves = (steady[:, None] + values["a"][:, None] * cycles.x).reshape(n, s, -1)
     period = cycles.period.reshape(n, s)
     features = np.full((n, s, len(FEATURES)), np.nan)
     for j, count in enumerate(bins):

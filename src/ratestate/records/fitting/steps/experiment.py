@@ -150,8 +150,11 @@ def _steps_of(window, data, settings, segments):
     if segment := stick_slip_in(window, segments):
         status = STICK_SLIP
         message = sentences("per_step.stick_slip", events=segment.events, V_lp=segment.V)
-    of_laws = [settings._replace(free=free, sliders=[slider]) for slider in sliders]
-    return [Step(window, part, max(rows, 1), one, status, message) for one in of_laws]
+    settings = settings._replace(free=free)
+    return [
+        Step(window, part, max(rows, 1), settings._replace(sliders=[slider]), status, message)
+        for slider in sliders
+    ]
 
 
 def fit_each(windows):
@@ -180,9 +183,9 @@ def _start_from(pilot, steps):
         result = results[step.law]
         names = [n for n in result["parameter"].values.tolist() if n in step.slider.values]
         sliders.append(step.slider.replace(**{name: float(result[name]) for name in names}))
-    longest = max(float(getattr(one, D)) for one in sliders for D in one.friction_law.lengths)
+    lengths = [getattr(slider, D) for slider in sliders for D in slider.friction_law.lengths]
     start = steps[0].settings.start
-    if start == "auto" and steps[0].window.slip_since_change < STEADY_SLIP * longest:
+    if start == "auto" and steps[0].window.slip_since_change < STEADY_SLIP * max(lengths):
         start = "free"
     return [
         step._replace(settings=step.settings._replace(sliders=[slider], start=start))
@@ -221,10 +224,10 @@ def fit_window(steps, adjust=lambda inference: inference):
     return [fit_window([step], adjust)[0]._replace(no_posterior=reason) for step in steps]
 
 
-def fit_stress_step(step, others, shared):
+def fit_stress_step(step, load_steps, shared):
     """Return the `Step` of normal stress with its fit, in which alpha alone is free.
 
-    others : fitted `Step`s of the load point under the same law; the mean of their K is held
+    load_steps : fitted `Step`s of the load point under the same law; the mean of their K is held
     shared : their `Shared`, or None
 
     The errors of held parameters widen the interval of alpha, to first order.
@@ -232,7 +235,7 @@ def fit_stress_step(step, others, shared):
     held, covariance = {}, np.zeros((0, 0))
     if shared is not None:
         held, covariance = dict(zip(shared.names, shared.point, strict=True)), shared.covariance
-    K, error, _ = mean_of(*estimates_of(others, "K"))
+    K, error, _ = mean_of(*estimates_of(load_steps, "K"))
     if np.isfinite(K):
         held["K"], covariance = K, scipy.linalg.block_diag(covariance, error**2)
     values = {name: float(to_value(name, x)) for name, x in held.items()}
@@ -247,22 +250,22 @@ def fit_stress_step(step, others, shared):
 def _with_held_errors(inference, held, covariance):
     """Return the `Inference` with errors (h, h) of held parameters added to alpha's."""
     solution, estimates = inference.solution, inference.estimates
-    i, least = estimates.names.index("alpha"), to_value("alpha", -np.inf)
-    errors, intervals = estimates.errors.copy(), estimates.intervals.copy()
-    if not np.isfinite(errors[i]):
+    estimate, least = estimates.by_name["alpha"], to_value("alpha", -np.inf)
+    if not np.isfinite(estimate.error):
         return inference
     problem, names = solution.problem, solution.unknowns.names
     point = [to_coordinate(name, getattr(problem.slider, name)) for name in held]
     forward = Forward(problem.record, problem.slider, (*held, *names))
     jacobian = forward.jacobian(np.concatenate([point, solution.point]))[1]
     if not np.isfinite(jacobian).all():  # no motion close to the held values
-        errors[i], intervals[i] = np.inf, (least, np.inf)
+        error, interval = np.inf, np.array(2 * [(least, np.inf)])
     else:
         white, _ = problem.whiten(jacobian, solution.noise)
         by_held = np.linalg.lstsq(white[:, len(held) :], white[:, : len(held)])[0]
         slopes = by_held[names.index("alpha")]
-        errors[i] = np.sqrt(errors[i] ** 2 + slopes @ covariance @ slopes)
+        error = np.sqrt(estimate.error**2 + slopes @ covariance @ slopes)
         # adding to the ends is also right at a bound, where intervals are not symmetric
-        more = (errors[i] - estimates.errors[i]) * ROOTS[:, None] * np.array([-1.0, 1.0])
-        intervals[i] = np.maximum(intervals[i] + more, least)
-    return inference._replace(estimates=estimates._replace(errors=errors, intervals=intervals))
+        more = (error - estimate.error) * ROOTS[:, None] * np.array([-1.0, 1.0])
+        interval = np.maximum(estimate.interval + more, least)
+    changed = {"alpha": estimate._replace(error=error, interval=interval)}
+    return inference._replace(estimates=estimates._replace(by_name=estimates.by_name | changed))

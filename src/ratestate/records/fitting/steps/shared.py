@@ -52,10 +52,11 @@ class _Joint:
 
     def __init__(self, steps):
         self.steps, self.k = steps, len(steps[0].shared)
-        each = [range(step.solution.point.size) for step in steps]
-        self.own = [[i for i in x if i not in s.shared] for x, s in zip(each, steps, strict=True)]
+        sizes = [step.solution.point.size for step in steps]
+        pairs = zip(sizes, steps, strict=True)
+        self.own = [[i for i in range(size) if i not in step.shared] for size, step in pairs]
         self.columns = _slices([len(own) for own in self.own], self.k)
-        self.rows = _slices([len(x) + 1 for x in each], 0)
+        self.rows = _slices([size + 1 for size in sizes], 0)
 
     def at(self, point):
         """Return residual (m,) and jacobian (m, n) at a point; NaN, 0 without a motion.
@@ -83,8 +84,8 @@ class _Joint:
 
     def collected(self, values, combine):
         """Return coordinates (n,) from each step's; `combine` merges the shared ones."""
-        shared = [one[step.shared] for one, step in zip(values, self.steps, strict=True)]
-        own = [one[own] for one, own in zip(values, self.own, strict=True)]
+        shared = [x[step.shared] for x, step in zip(values, self.steps, strict=True)]
+        own = [x[own] for x, own in zip(values, self.own, strict=True)]
         return np.concatenate([combine(shared, axis=0), *own])
 
     def starts(self):
@@ -129,17 +130,17 @@ def shared_fit(steps):
         return None
     joint = _Joint(steps)
     solutions, inflations = [s.solution for s in steps], [s.inflation for s in steps]
-    low = joint.collected([one.unknowns.low for one in solutions], np.min)
-    high = joint.collected([one.unknowns.high for one in solutions], np.max)
+    low = joint.collected([solution.unknowns.low for solution in solutions], np.min)
+    high = joint.collected([solution.unknowns.high for solution in solutions], np.max)
     searches = (minimum(joint.at, start, low, high, MOST) for start in joint.starts())
-    result = next((one for one in searches if one), None)
+    result = next(filter(None, searches), None)
     if result is None or not result.converged:
         return None
     information = joint.information(result.jacobian)
     covariance = np.linalg.pinv(information.sum(axis=0), hermitian=True)
     k, names = joint.k, tuple(solutions[0].unknowns.names[i] for i in steps[0].shared)
     parts = np.einsum("ij,nji->n", covariance, information) / k
-    below = denominator(k, parts, np.array([one.spread for one in inflations]))
+    below = denominator(k, parts, np.array([inflation.spread for inflation in inflations]))
     separate = sum(x.chi2 / y.factor for x, y in zip(solutions, inflations, strict=True))
     deviance, degrees = 2.0 * result.cost - separate, k * (len(steps) - 1)
     return Shared(names, result.x[:k], covariance, deviance, degrees, below)
@@ -205,14 +206,16 @@ def ratio_of(up, down, is_log):
     """
     if not (len(up[0]) and len(down[0])):
         return np.nan, np.nan, np.nan
-    (mean, error, chi2), (other, other_error, other_chi2) = weighted_mean(*up), weighted_mean(*down)
-    difference, degrees = mean - other, len(up[0]) + len(down[0]) - 2
-    value = float(np.exp(difference)) if is_log else mean / other
+    mean_up, error_up, chi2_up = weighted_mean(*up)
+    mean_down, error_down, chi2_down = weighted_mean(*down)
+    difference, degrees = mean_up - mean_down, len(up[0]) + len(down[0]) - 2
+    value = float(np.exp(difference)) if is_log else mean_up / mean_down
     if degrees == 0:
         return value, np.nan, np.nan
-    enlarged = math.sqrt(max((chi2 + other_chi2) / degrees, 1.0))
-    of_difference = enlarged * math.hypot(error, other_error)
+    enlarged = math.sqrt(max((chi2_up + chi2_down) / degrees, 1.0))
+    of_difference = enlarged * math.hypot(error_up, error_down)
     p_value = float(2.0 * scipy.special.stdtr(degrees, -abs(difference) / of_difference))
     if is_log:
         return value, value * of_difference, p_value
-    return value, enlarged * math.hypot(error, value * other_error) / abs(other), p_value
+    error = enlarged * math.hypot(error_up, value * error_down) / abs(mean_down)
+    return value, error, p_value

@@ -30,7 +30,7 @@ def dataset_of_steps(steps, shared):
     shared : law -> `Shared`, or None
     """
     laws, first = [*steps], next(iter(steps.values()))
-    fitted = [one for of_law in steps.values() for one in of_law if one.status == FITTED]
+    fitted = [step for own in steps.values() for step in own if step.status == FITTED]
     names = names_of([step.result for step in fitted], laws)
     size = min(SAMPLES, max(step.data.sizes["time"] for step in first))
     tables = [_law_table(steps[law], shared[law], names, size) for law in laws]
@@ -47,7 +47,8 @@ def dataset_of_steps(steps, shared):
         return result
     # steps that are not fitted under all laws do not count
     everywhere = (result["status"] == FITTED).all("law")
-    misfits = [all(one.is_misfit for one in fits) for fits in zip(*steps.values(), strict=True)]
+    windows = zip(*steps.values(), strict=True)
+    misfits = [all(step.is_misfit for step in window) for window in windows]
     fits = np.sum(everywhere.values & misfits) <= 0.5 * everywhere.sum()
     return with_comparison(result, result["aic"].where(everywhere), bool(fits))
 
@@ -59,12 +60,11 @@ def _law_table(steps, shared, names, size):
     for step in steps:
         row, warnings, curve = xarray.Dataset(coords=nothing), [], np.full(size, np.nan)
         if step.status == FITTED:
-            one = step.result
-            kept = (*one["parameter"].values.tolist(), *SCALARS, *KEPT)
-            row = one[[name for name in kept if name in one]].drop_attrs(deep=False)
-            own = [step.no_posterior] if step.no_posterior else []
-            warnings = [*warnings_of(one), *own, *step.caveats]
-            curve = _sampled(one["friction_fit"].values, size)
+            fit = step.result
+            kept = (*fit["parameter"].values.tolist(), *SCALARS, *KEPT)
+            row = fit[[name for name in kept if name in fit]].drop_attrs(deep=False)
+            warnings = [*warnings_of(fit), *filter(None, [step.no_posterior]), *step.caveats]
+            curve = _sampled(fit["friction_fit"].values, size)
         row = row.assign(labelled("sample", friction_fit=curve))
         texts = {"warnings": "\n".join(warnings), "message": step.message}
         rows.append(row.assign(labelled((), status=np.int8(step.status), **texts)))

@@ -166,5 +166,5 @@ def _events_in(part, sigma):
 
 def stick_slip_in(window, segments):
     """Return the `StickSlipSegment` with most events that overlaps a window, or None."""
-    about = [one for one in segments if one.begin < window.end and window.begin < one.end]
-    return max(about, key=lambda one: one.events, default=None)
+    about = [part for part in segments if part.begin < window.end and window.begin < part.end]
+    return max(about, key=lambda segment: segment.events, default=None)
