@@ -143,12 +143,12 @@ def _noise_ratio(solution):  # about 1 if the noise was estimated
 
 def without_trend(inference):
     """Return estimates (p,) [SI] without the trend, to first order; None if no trend."""
-    solution, names = inference.solution, inference.solution.unknowns.names
+    solution, (names, low, high) = inference.solution, inference.solution.unknowns
     if "trend" not in names:
         return None
     i = names.index("trend")
     lead = solution.covariance[:, i] / solution.covariance[i, i]
-    point = solution.point - solution.point[i] * lead
+    point = np.clip(solution.point - solution.point[i] * lead, low, high)
     return np.array([quantity.si(quantity.value(point)) for quantity in inference.quantities])
 
 
