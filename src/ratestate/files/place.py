@@ -64,6 +64,13 @@ def checked_path(path, endings):
     return path
 
 
+def make_writable(folder):
+    """Make the folder, parents too, and check that files can be written there; else OSError."""
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+
+
 def listed(endings):
     """Return endings for a message, such as ".nc, .csv or .zarr"."""
     return " or ".join(filter(None, [", ".join(endings[:-1]), endings[-1]]))

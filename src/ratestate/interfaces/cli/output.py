@@ -5,7 +5,6 @@ import json
 import math
 import os
 import sys
-import tempfile
 import time
 import warnings
 from collections.abc import Iterable, Iterator
@@ -91,15 +90,6 @@ def _console(stderr: bool = False) -> "Console":
     return console
 
 
-def make_writable(out: Path) -> None:
-    """Make the folder, parents too, and check that files can be written there; else OSError."""
-    from ...files.place import writing
-
-    with writing(out):
-        out.mkdir(parents=True, exist_ok=True)
-        tempfile.TemporaryFile(dir=out).close()
-
-
 def write_text(path: Path, text: str) -> Path:
     """Write a text to a file, whole or not at all; the file."""
     from ...files import replace
@@ -118,6 +108,8 @@ def folder(out: Path | None) -> Iterator[None]:
     new_folders = [path for path in (out, *out.parents) if not path.exists()] if out else []
     try:
         if out:
+            from ...files.place import make_writable
+
             make_writable(out)
         yield
     finally:

@@ -7,7 +7,7 @@ import typer
 from ...friction.laws import friction_law, own_parameters
 from ...paper.figures import FIGURES, LAWS
 from .options import laws_of, own_values
-from .output import make_writable, print_json, print_rich, reporting_files
+from .output import print_json, print_rich, reporting_files
 
 FOLDER = Path("figures")
 
@@ -37,6 +37,8 @@ def figures(
         raise typer.BadParameter(
             f"{unknown[0]!r} is not a figure. Choose among {', '.join(FIGURES)} and all."
         )
+    from ...files.place import make_writable
+
     make_writable(out)
     from ...paper import claims_table
     from ...paper.figures import make
@@ -83,6 +85,8 @@ def atlas(
         values = {symbol: float(x) for symbol, x in own_values(of_law, [*symbols, "M"]).items()}
     except ValueError as error:
         raise typer.BadParameter(f"{error}: give plain numbers", param_hint="--set") from None
+    from ...files.place import make_writable
+
     make_writable(out)
     from ...paper.atlas_figure import make
 
