@@ -88,7 +88,8 @@ def healing(data, *, slider=None, loading=None, trend="slip", noise=None):
         Scalars: ``beta`` and ``beta_c``, the change of healing and of relaxation per decade of hold
         time, with ``_error`` and ``_scatter``.  The scatter is the root of the reduced chi-square
         about the line, NaN with two holds.  If it is significantly above 1, the errors are enlarged
-        by it.  The rates are NaN without two different hold times.  ``noise_white``, ``noise_red``, ``noise_time``.
+        by it.  The rates are NaN without two different hold times.  ``noise_white``, ``noise_red``,
+        ``noise_time``.
 
         Along ``line``: ``line_t_hold`` [s], and the fitted lines with errors, ``line_delta_mu`` and
         ``line_delta_mu_c``.  Along ``time``: ``friction``, and ``friction_steady``, the line of
@@ -162,8 +163,8 @@ def dataset_of(record, noise, measured, sliders, predicted):
     columns = {name: np.array([x.values.get(name, missing) for x in measured]).T for name in NAMES}
     quantities = {name: tuple(column) for name, column in columns.items()}
     messages = []
-    for hold, result, *others in zip(holds, measured, *predicted.values(), strict=True):
-        texts = [_message(record, hold, result), *(message for _, message in others)]
+    for hold, result, *predictions in zip(holds, measured, *predicted.values(), strict=True):
+        texts = [_message(record, hold, result), *(message for _, message in predictions)]
         messages.append("; ".join(filter(None, texts)))
     variables = labelled(
         "hold",
