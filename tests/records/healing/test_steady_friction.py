@@ -7,7 +7,7 @@ from slide_hold_slide import clean, loading_of, noisy, truth
 import ratestate as rs
 from ratestate.records.healing.holds import healing_record
 from ratestate.records.healing.steady import Shape, fitted_line, scatter_about_line
-from ratestate.records.kit.sample_noise import resolution
+from ratestate.records.kit.sample_noise import digit_of
 
 #: slider for which slides of 200 um are short: friction oscillates with a decay length of 32 um
 SOFT = rs.SpringSlider(
@@ -101,11 +101,12 @@ def test_a_record_without_noise_has_the_errors_of_its_digits(digits, step):
         assert (np.abs(result[name] - known) < 5.0 * error + 1e-7).all()
 
 
-def test_the_resolution_of_rounded_values_is_found():
+def test_the_digit_of_rounded_values_is_found():
     values = np.random.default_rng(1).integers(0, 50, 400) * 0.002 + 0.5
-    assert resolution(values) == pytest.approx(0.002)
-    assert resolution(np.append(values, values * (1.0 + 1e-15))) == pytest.approx(0.002)
-    assert resolution(np.full(5, 0.6)) == 0.0
+    assert digit_of(values) == pytest.approx(0.002)
+    assert digit_of(np.append(values, values * (1.0 + 1e-15))) == pytest.approx(0.002)
+    assert digit_of(np.random.default_rng(1).normal(size=400)) == 0.0
+    assert digit_of(np.full(5, 0.6)) == 0.0
 
 
 @pytest.mark.parametrize("trend", ["slip", "time", None])

@@ -42,3 +42,13 @@ def test_noise_and_levels_are_part_of_the_error(width, sd, level_error):
     assert abs(np.mean(off / error)) < 0.25
     assert (0.7 if width == 4.0 else 0.85) < np.sqrt(np.mean((off / error) ** 2)) < 1.15
     assert np.median(error) > 2.0 * np.median(deviations_and_errors(width)[1])
+
+
+def test_noise_may_raise_the_last_sample_of_a_fall():
+    t = np.arange(20.0)
+    y = np.interp(t, [5.0, 10.0], [0.5, -0.5])
+    y[12] = 0.45
+    levels = np.array([0.5]), np.array([-0.5]), np.zeros(1)
+    falls = np.array([3]), np.array([12])
+    (time,), (error,) = middles(t, y, *falls, *levels, SampleNoise(0.01))
+    assert abs(time - 7.5) < error < 0.5

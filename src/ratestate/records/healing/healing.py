@@ -164,8 +164,8 @@ def dataset_of(record, noise, measured, sliders, predicted):
     columns = {name: np.array([x.values.get(name, missing) for x in measured]).T for name in NAMES}
     quantities = {name: tuple(column) for name, column in columns.items()}
     messages = []
-    for hold, result, *others in zip(holds, measured, *predicted.values(), strict=True):
-        texts = [_message(record, hold, result), *(message for _, message in others)]
+    for hold, result, *predictions in zip(holds, measured, *predicted.values(), strict=True):
+        texts = [_message(record, hold, result), *(message for _, message in predictions)]
         messages.append("; ".join(filter(None, texts)))
     variables = labelled(
         "hold",

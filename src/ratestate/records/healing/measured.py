@@ -10,27 +10,18 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from ..kit.regression import (
-    CERTAIN,
-    SIGNIFICANT,
-    curvature,
-    fitted_polynomial,
-    windows_that_pass,
-)
-from ..kit.sample_noise import OF_STEP, resolution
+from ..kit.sample_noise import OF_STEP, digit_of
 from .holds import FEWEST, GUARD, LAST
+from .polynomials import largest_fits
 from .steady import Level
 
-#: orders of polynomials in ln(time since the hold began): tested, and used; fewest samples
-TESTED, USED = 1, 3
-FEWEST_OF_HOLD = USED + 3
-#: orders of the polynomial around a peak: tested, and used; fewest samples; coefficients tested
-PEAK_TESTED, PEAK_USED, ORDERS = 3, 5, 2
-FEWEST_OF_PEAK = PEAK_USED + 3
-#: noise around a peak, as a multiple of the record's, above which the samples are too few
-MAX_NOISE = math.sqrt(CERTAIN / ORDERS)
-#: successive windows that must fail, because noise may make a single one fail
-FAILED = 2
+#: orders of polynomials, tested and used, in ln(time since the hold began) and after a sharp peak,
+#: and around a smooth peak; their fewest samples
+ORDERS, PEAK_ORDERS = (1, 3), (3, 5)
+FEWEST_OF_HOLD, FEWEST_OF_PEAK = 6, 8
+#: enlargement of the noise by a misfit around a peak, above which the samples are too few: 1 of
+#: 10,000 exceeds it by chance
+MAX_MISFIT = 3.035
 #: samples in which friction rises to a sharp peak, at most; samples that are averaged there
 SHARP, AVERAGED = 4, 3
 #: least height of a peak above friction at the end of the slide, in standard errors
@@ -78,9 +69,9 @@ def measure(record, hold, noise, levels):
     this error (Widrow, Kollar & Liu 1996 doi:10.1109/19.492748).
     """
     measured = _measured_with_noise(record, hold, noise, levels)
-    step = resolution(record.friction)
-    other = max(noise.level**2 - (OF_STEP * step) ** 2, 0.0)
-    least = OF_STEP * step * np.exp(-2.0 * np.pi**2 * other / step**2) if step else 0.0
+    step = digit_of(record.friction)
+    dither = max(noise.level**2 - (OF_STEP * step) ** 2, 0.0)
+    least = OF_STEP * step * np.exp(-2.0 * np.pi**2 * dither / step**2) if step else 0.0
     values = {
         name: (value, max(error, math.sqrt(2.0 if name in DIFFERENCES else 1.0) * least))
         for name, (value, error) in measured.values.items()
@@ -149,13 +140,8 @@ def _end_of_hold(record, hold, noise):
     spacing, rows = float(np.median(np.diff(record.t))), hold.during.rows
     age = np.log(np.maximum(record.t - hold.during.start, 0.5 * spacing))
     columns = record.t, age, record.friction
-
-    def passes(size, _):
-        return curvature(*columns, rows[-size:], TESTED, noise) <= SIGNIFICANT
-
-    size = max(windows_that_pass(FEWEST_OF_HOLD, rows.size, passes, 1), default=FEWEST_OF_HOLD)
-    fit = fitted_polynomial(*columns, rows[-size:], USED, noise)
-    return fit.at(np.log(hold.duration))
+    fits, _ = largest_fits(columns, lambda size: rows[-size:], rows.size, *ORDERS, noise)
+    return fits[0].at(np.log(hold.duration))
 
 
 def _peak(record, hold, noise, low):
@@ -171,13 +157,13 @@ def _peak(record, hold, noise, low):
         peaks, end, too_few = sharp, sharp[0][0], sharp[0][2] > noise.level
     else:
         peaks = smooth + (sharp[:1] if rise < FEWEST_OF_PEAK else [])
-    if not smooth and not sharp:
+    if not peaks:
         return (ENDS if end == t[slide[-1]] else NO_PEAK), np.nan, None
-    (at, peak, error), *others = peaks
+    (at, peak, error), *smaller = peaks
     if np.count_nonzero(t[slide] > end) < FEWEST:
         return ENDS, np.nan, None
     # (the distance between the peaks beyond the random error is part of the error)
-    misfits = [(other[1] - peak) ** 2 - abs(other[2] ** 2 - error**2) for other in others]
+    misfits = [(y - peak) ** 2 - abs(y_error**2 - error**2) for _, y, y_error in smaller]
     error = math.hypot(error, math.sqrt(max([0.0, *misfits])))
     if too_few and error > COARSE * (peak - low):
         return UNRESOLVED, np.nan, None
@@ -197,20 +183,17 @@ def _smooth_peaks(record, slide, noise):
     """
     columns = record.t, record.t, record.friction
 
-    def passes(size, passed):
-        rows = _about_maximum(record.level, slide, size)
-        # (until a window passes, test all orders that are used)
-        order, most = (PEAK_TESTED, SIGNIFICANT) if passed else (PEAK_USED, CERTAIN)
-        return curvature(*columns, rows, order, noise) <= most
+    def window(size):
+        """Return the rows around the largest moving average of the slide."""
+        level = record.level[slide]
+        smooth = scipy.ndimage.uniform_filter1d(level, max(size // 3, 1), mode="nearest")
+        first = min(max(int(np.argmax(smooth)) - size // 2, 0), slide.size - size)
+        return slide[first : first + size]
 
-    passed = windows_that_pass(FEWEST_OF_PEAK, slide.size, passes, FAILED)
-    windows = [
-        _about_maximum(record.level, slide, size) for size in passed[:-3:-1] or [FEWEST_OF_PEAK]
-    ]
-    local = noise if passed[1:] else _with_misfit(record, noise, windows[0], PEAK_USED)
-    peaks = [fitted_polynomial(*columns, rows, PEAK_USED, local).peak for rows in windows]
+    fits, misfit = largest_fits(columns, window, slide.size, *PEAK_ORDERS, noise)
+    peaks = [fit.peak for fit in fits]
     found = [peak for peak in peaks if peak] if peaks[0] else []
-    return found, record.t[windows[0][-1]], local.level > MAX_NOISE * noise.level
+    return found, fits[0].curve.domain[1], misfit > MAX_MISFIT
 
 
 def _sharp_peaks(record, slide, noise):
@@ -230,29 +213,10 @@ def _sharp_peaks(record, slide, noise):
     before, after = record.level[first - 2 : first].min(), record.level[rows[:AVERAGED]]
     if rows.size < FEWEST or not before < np.median(after) - clear:
         return [], rise
-
-    def passes(size, _):
-        return curvature(*columns, rows[:size], TESTED, noise) <= SIGNIFICANT
-
-    sizes = windows_that_pass(FEWEST_OF_HOLD, rows.size, passes, FAILED)
-    local = noise if sizes else _with_misfit(record, noise, rows[:FEWEST_OF_HOLD], USED)
+    fits, _ = largest_fits(columns, lambda size: rows[:size], rows.size, *ORDERS, noise)
     at, peaks = 0.5 * (t[first - 1] + t[first]), []
-    for size in sizes[:-3:-1] or [FEWEST_OF_HOLD]:
-        fit = fitted_polynomial(*columns, rows[:size], USED, local)
+    for fit in fits:
         value, error = fit.at(t[first])
         beyond = max(fit.at(at)[0] - value, 0.0)
         peaks.append((at, value + beyond, math.hypot(error, beyond)))
     return peaks, rise
-
-
-def _with_misfit(record, noise, rows, order):
-    """Return the noise, enlarged by the misfit of a polynomial in time of this order."""
-    excess = curvature(record.t, record.t, record.friction, rows, order, noise)
-    return noise.times(max(math.sqrt(excess / ORDERS), 1.0))
-
-
-def _about_maximum(friction, slide, width):
-    """Return rows of a window of this width around the largest moving average of a slide."""
-    smooth = scipy.ndimage.uniform_filter1d(friction[slide], max(width // 3, 1), mode="nearest")
-    first = min(max(int(np.argmax(smooth)) - width // 2, 0), slide.size - width)
-    return slide[first : first + width]

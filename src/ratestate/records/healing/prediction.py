@@ -43,8 +43,6 @@ class Fitted(NamedTuple):
     @property
     def cases(self):
         """Return a sweep: the slider, then with each parameter larger, then with each smaller."""
-        if not self.free:
-            return self.slider
         changes = np.diag(self.steps)
         values = {
             symbol: getattr(self.slider, symbol) + np.concatenate([[0.0], change, -change])

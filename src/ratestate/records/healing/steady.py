@@ -16,8 +16,9 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from ..kit.regression import basis, windows_that_pass
-from .holds import FEWEST, is_same_speed
+from ..load_point.splits import groups_of_similar
+from .holds import FEWEST, SAME_SPEED
+from .polynomials import basis, windows_that_pass
 
 #: second decay length as a fraction of the first; or wave number times the decay length
 FASTER, WAVES = (1.0, 0.5, 0.2, 0.05), (0.7, 1.5, 3.0, 6.0)
@@ -31,8 +32,8 @@ COMPARED, INDEPENDENT = 150, 15
 LEAST = 1e-3
 #: fall of chi-square by six more coefficients that 1 of 1000 windows exceeds by chance
 SIGNIFICANT = 22.46
-#: successive windows that must fail; order of the polynomial that is tested
-FAILED, TESTED = 2, 3
+#: order of the polynomial that is tested
+TESTED = 3
 #: most samples of a slide; more are averaged in blocks
 MAX_SAMPLES = 2000
 #: error of a level, as a multiple of the error without a transient, above which the noise is
@@ -168,11 +169,11 @@ def levels_of(record, noise):
             fits[i] = fit.with_misfit(_with_no_transient(weights, slide), bound)
             if slide.follows_hold:
                 evidence[i] = fits[i].solved(QUADRATIC).log_likelihood[:-1]
-    others = [
+    of_shapes = [
         _with_no_transient(weight, slide)
         for weight, slide in zip(weights + evidence.sum(0) - evidence, slides, strict=True)
     ]
-    means = [fit and fit.mean(weight, bound) for fit, weight in zip(fits, others, strict=True)]
+    means = [fit and fit.mean(weight, bound) for fit, weight in zip(fits, of_shapes, strict=True)]
     errors = [np.inf if level is None else float(np.sqrt(level[1][0, 0])) for level in means]
     for i, slide in enumerate(slides):
         fall = friction[slide.tail[0]] - friction[slide.rows[-FEWEST:]].mean()
@@ -183,7 +184,7 @@ def levels_of(record, noise):
     priors = _priors(slides, ends, means, has_slope)
     for i, (number, prior) in enumerate(zip(record.slides, priors, strict=True)):
         if (fit := fits[i]) is not None:
-            mean, covariance = fit.mean(others[i], bound if prior is None else prior)
+            mean, covariance = fit.mean(of_shapes[i], bound if prior is None else prior)
         elif prior is not None:
             mean, covariance = prior[0], np.linalg.inv(prior[1])
         else:
@@ -235,12 +236,12 @@ def _slide_fit(record, rows, noise, shapes):
     columns, noise = _averaged(record, rows, noise)
     fits = {}
 
-    def passes(size, _):
+    def passes(size):
         fits[size] = _fit_in_window(columns[:, -size:], noise, shapes)
         small, large = (fits[size].solved(k).chi2.min() for k in (LINEAR, QUADRATIC + TESTED))
         return small - large <= SIGNIFICANT
 
-    passed = windows_that_pass(FEWEST, columns.shape[1], passes, FAILED)
+    passed = windows_that_pass(FEWEST, columns.shape[1], passes)
     return fits[passed[-1]] if passed else None
 
 
@@ -289,7 +290,7 @@ def _priors(slides, ends, means, has_slope):
     known = np.array([i for i, level in enumerate(means) if level is not None], int)
     if not known.size or len(slides) < 2:
         return [None] * len(slides)
-    speeds = [next(k for k, b in enumerate(slides) if is_same_speed(a.V, b.V)) for a in slides]
+    speeds = groups_of_similar(np.array([slide.V for slide in slides]), SAME_SPEED)
     distance = np.median(np.diff(ends))
     designs = np.zeros((len(slides), 1 + has_slope, len(slides) + has_slope))
     designs[np.arange(len(slides)), 0, speeds] = 1.0

@@ -211,9 +211,9 @@ def estimated_noise(likelihood, near=None):
 
     near : `Noise` of similar residuals, from which the search starts, or None
     """
-    white, each = likelihood.at(), families(likelihood)
-    peaks = [modes(family, near) for family in each]
-    pairs = [(mode, family) for family, found in zip(each, peaks, strict=True) for mode in found]
+    white, kinds = likelihood.at(), families(likelihood)
+    peaks = [modes(family, near) for family in kinds]
+    pairs = [(mode, family) for family, found in zip(kinds, peaks, strict=True) for mode in found]
     (highest, point), family = max(pairs, key=lambda pair: pair[0][0])
     likeliest = family.at(point) if highest > white.log_likelihood + RISE else white
     return likeliest.noise, peaks

@@ -153,9 +153,9 @@ def _read(task):
             error = refused
         except MemoryError:
             failure = f"it needs more memory than {memory / 1e9:.1f} GB"
-        except Exception as other:
-            failure = f"{type(other).__name__}: {other}"
-    messages = dict.fromkeys((str(one.message), one.category) for one in caught)
+        except Exception as problem:
+            failure = f"{type(problem).__name__}: {problem}"
+    messages = dict.fromkeys((str(warning.message), warning.category) for warning in caught)
     return result, error, failure, [*messages]
 
 

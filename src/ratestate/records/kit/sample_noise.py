@@ -1,4 +1,4 @@
-"""Noise between neighbouring samples of a series, and its resolution."""
+"""Noise between neighbouring samples of a series, and the step between its digits."""
 
 import math
 from typing import NamedTuple
@@ -32,8 +32,6 @@ class SampleNoise(NamedTuple):
     def draw(self, n, rng):
         """Return n random samples of this noise."""
         white = rng.standard_normal(n) * self.sd
-        if self.correlation == 0.0:
-            return white
         white[1:] *= np.sqrt(1.0 - self.correlation**2)
         return scipy.signal.lfilter([1.0], [1.0, -self.correlation], white)
 
@@ -56,24 +54,17 @@ def sample_noise(values):
     return float(np.median(np.abs(np.diff(values, 2)))) * OF_MEDIAN / OF_SECOND
 
 
-def resolution(values):
-    """Return the smallest difference between values (n,), or 0 if all are equal.
+def digit_of(values):
+    """Return the step between digits of values (n,), or 0 if they are not multiples of a step.
 
     Differences below `ROUNDING` times the values are floating-point errors and are ignored.
     """
     steps = np.diff(np.unique(values))
-    return float(min(steps[steps > ROUNDING * np.abs(values).max()], default=0.0))
-
-
-def digit_of(values):
-    """Return the step between digits of values (n,), or 0 if they are not multiples of a step."""
-    step = resolution(values)
-    if step == 0.0:
-        return 0.0
-    counts = (values - values.min()) / step
+    step = float(min(steps[steps > ROUNDING * np.abs(values).max()], default=0.0))
+    counts = (values - values.min()) / (step or 1.0)
     return step if (np.abs(counts - counts.round()) < OFF).all() else 0.0
 
 
 def rounding(values):
     """Return the standard deviation of the rounding of values (n,) to their last digit."""
-    return OF_STEP * resolution(values)
+    return OF_STEP * digit_of(values)

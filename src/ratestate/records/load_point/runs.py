@@ -43,9 +43,9 @@ class SpeedRun:
             self.weights.append(total)
         self.V = products / self.spread if self.spread > 0.0 and not hold else 0.0
 
-    def join(self, other, hold=False):
+    def join(self, after, hold=False):
         """Return one run of the rows of both runs; the lines keep their own offsets."""
-        return SpeedRun(self.samples, self.rows + other.rows, hold)
+        return SpeedRun(self.samples, self.rows + after.rows, hold)
 
     def x_at(self, t, end):
         """Return the displacement [m] at t [s] on the first (end = 0) or last (end = -1) line."""
@@ -207,10 +207,7 @@ def jump_size(rows, row, V):
 
     V : speed [m/s] before and after the jump
     """
-    # only rows up to the next gap in time count
-    ends = [0, *rows.gaps, rows.t.size]
-    first = max(row - GAP_ROWS, max(end for end in ends if end < row))
-    last = min(row + GAP_ROWS, min(end for end in ends if end > row))
+    first, last = max(row - GAP_ROWS, 0), row + GAP_ROWS
     x = rows.x[first:last] - V * (rows.t[first:last] - rows.t[row])
     before, after = x[: row - first], x[row - first :]
     gap = float(np.median(after) - np.median(before))

@@ -196,8 +196,8 @@ def dataset_of(raw, sigma, slider, slopes, ring_downs):
     """
     fits = np.array([slope.is_explained for slope in slopes], bool)
     # (slopes of stick phases give only a lower bound of K)
-    others = fits & np.array([slope.kind != "stick" for slope in slopes], bool)
-    used = others if others.any() else fits
+    not_stick = fits & np.array([slope.kind != "stick" for slope in slopes], bool)
+    used = not_stick if not_stick.any() else fits
     # (the mean is of ln K, whose errors do not depend on its value)
     columns = [(slope.point[1], slope.independent_error, slope.shared_error) for slope in slopes]
     mean, error, scatter = _mean(*np.array(columns).reshape(-1, 3)[used].T)

@@ -45,7 +45,7 @@ def middles(t, y, peaks, troughs, high, low, level_error, noise):
     for i in np.flatnonzero(np.isfinite(high + low)):
         level, margin = 0.5 * (high[i] + low[i]), FITTED_PART * (high[i] - low[i])
         fall = y[peaks[i] : troughs[i] + 1]
-        above = np.flatnonzero(fall > level + margin)
+        above = np.flatnonzero(fall[:-1] > level + margin)  # (noise may raise the last sample)
         first = int(above[-1]) + 1 if above.size else 0
         below = np.flatnonzero(fall[first:] < level - margin)
         last = first + int(below[0]) if below.size else fall.size - 1
