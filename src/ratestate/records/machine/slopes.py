@@ -200,7 +200,7 @@ def _slope_after_change(t, friction, rows, segments, i):
     rise = (friction[rows] - level) * (-1.0 if kind == "step_down" else 1.0)
     smooth = scipy.ndimage.uniform_filter1d(rise, 3)
     extreme = int(np.argmax(smooth))
-    last = int(np.argmax(smooth > UNTIL * smooth[extreme])) + 1
+    last = _index_at_level(t[rows] - start, rise, smooth[: extreme + 1], UNTIL * smooth[extreme])
     if last < FEWEST or smooth[extreme] < LEAST * sample_noise(friction[rows]):
         return None
     rows = np.concatenate([before, rows[:last]])
@@ -223,6 +223,17 @@ def _rows_before(t, segments, i):
         return np.append(before[:: before.size // MOST_EARLY + 1], final[-MOST_BEFORE:])
     last = int(np.count_nonzero(t[final] >= start - LEVEL_PART * (start - begin)))
     return final[-min(max(last, FEWEST_BEFORE), MOST_BEFORE) :]
+
+
+def _index_at_level(t, rise, smooth, level):
+    """Return the index at which the line from t = 0 through a rise reaches a level, or 0.
+
+    The first noisy value above the level would come too early.
+    """
+    above = np.flatnonzero(smooth > level)
+    first = int(above[0]) + 1 if above.size else 0
+    slope = float(t[:first] @ rise[:first])
+    return int(np.searchsorted(t, level * float(t[:first] @ t[:first]) / slope)) if slope > 0 else 0
 
 
 def _slope_between_drops(t, friction, begin, end, V):
