@@ -30,8 +30,8 @@ def atlas(data, ax):
     Returns
     -------
     list of matplotlib.artist.Artist
-        Entries of a legend: the regimes that occur, and the curve K_c for each type of the Hopf
-        bifurcation that occurs.
+        Entries of a legend: the regimes that occur, without steady sliding, which is blank, and the
+        curve K_c for each type of the Hopf bifurcation that occurs.
     """
     _check(data, "regime", "K_over_K_c_qs")
     x, rows, _ = _contours(data, "V_max_over_V_lp", ax, 10.0 ** np.arange(1, 12), "0.35")

@@ -23,7 +23,7 @@ AS_PYTHON = "Write this scenario as Python, with ratestate.scenario.python(scena
 
 
 def toml(scenario: Scenario) -> str:
-    """Return the text of a scenario file, from which `load` makes the same scenario, bit-for-bit.
+    """Return the text of a scenario file, from which `load` makes the same values, bit-for-bit.
 
     Parameters
     ----------

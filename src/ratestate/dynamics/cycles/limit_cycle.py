@@ -298,7 +298,8 @@ def orbit(slider, V_lp, *, rtol=1e-8, return_cycle=False):
         ``theta`` [s], ``tau`` [Pa], ``mu`` and others.  The orbit begins at the maximum of the
         stress, where V = V_lp, and ends there one period later.  Steady sliding is one point, at
         time 0.  The values of amplitude, stress_drop, frequency and returns are taken from the
-        result of `limit_cycle`, and ``cycles`` is 1.  In steady sliding all of these are 0.
+        result of `limit_cycle`, and ``cycles`` is 1.  In steady sliding all of these are 0.  The
+        attributes are from `simulate`.
 
     Raises
     ------
