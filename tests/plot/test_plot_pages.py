@@ -528,6 +528,10 @@ def test_maps_need_an_atlas():
             function(data, ax)
     with pytest.raises(ParameterError, match="no variable period along K_over_K_c_qs"):
         plot.contours(chart, "period", ax, [1.0, 2.0])
+    for levels in ([0.0, 1.0], [10.0, 1.0], [1.0], 5):
+        with pytest.raises(ParameterError, match="cannot be contours"):
+            plot.contours(chart, "slip_per_cycle", ax, levels)
+    plot.contours(chart, "slip_per_cycle", ax, (1.0, 10.0))
 
 
 @pytest.mark.parametrize("name", ["a.svg", "a", "nowhere/a.png"])

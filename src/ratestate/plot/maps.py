@@ -83,9 +83,14 @@ def contours(data, name, ax, levels):
     ax : matplotlib.axes.Axes
         Axes to draw into.
     levels : sequence of float
-        Values of the contours, > 0 and increasing.  The colours go from the first to the last.
+        Values of the contours, > 0 and increasing, two or more; else ParameterError.  The colours
+        go from the first to the last.
     """
     _check(data, name, "K_over_K_c_qs")
+    values = np.array(levels, float)
+    if values.ndim != 1 or values.size < 2 or not (np.diff(values, prepend=0.0) > 0.0).all():
+        wanted = "Give two values > 0 or more in increasing order, such as [1, 10]."
+        raise ParameterError("cannot be contours", wanted, symbol="levels", value=repr(levels))
     x, rows, values = _contours(data, name, ax, levels, "w")
     style = {"cmap": "viridis", "shading": "nearest", "rasterized": True, "zorder": 0}
     ax.pcolormesh(x, rows, values, norm=LogNorm(levels[0], levels[-1]), **style)
