@@ -4,11 +4,13 @@ from ...model.conversion import in_si
 from ...model.quantities import attrs
 from ..messages import kit as sentences
 
+#: attributes of a record that results keep
+RECORD_ATTRIBUTES = ("source", "columns", "found", "notes")
+
 
 def kept_attributes(record):
     """Return the attributes of a record that a result keeps."""
-    names = "source", "columns", "found", "notes"
-    return {name: record.attrs[name] for name in names if name in record.attrs}
+    return {name: record.attrs[name] for name in RECORD_ATTRIBUTES if name in record.attrs}
 
 
 def checked_result(result, function, name):

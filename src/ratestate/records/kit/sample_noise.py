@@ -32,6 +32,8 @@ class SampleNoise(NamedTuple):
     def draw(self, n, rng):
         """Return n random samples of this noise."""
         white = rng.standard_normal(n) * self.sd
+        if self.correlation == 0.0:
+            return white
         white[1:] *= np.sqrt(1.0 - self.correlation**2)
         return scipy.signal.lfilter([1.0], [1.0, -self.correlation], white)
 

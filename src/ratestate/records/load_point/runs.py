@@ -207,7 +207,10 @@ def jump_size(rows, row, V):
 
     V : speed [m/s] before and after the jump
     """
-    first, last = max(row - GAP_ROWS, 0), row + GAP_ROWS
+    # only rows up to the next gap in time count
+    ends = [0, *rows.gaps, rows.t.size]
+    first = max(row - GAP_ROWS, max(end for end in ends if end < row))
+    last = min(row + GAP_ROWS, min(end for end in ends if end > row))
     x = rows.x[first:last] - V * (rows.t[first:last] - rows.t[row])
     before, after = x[: row - first], x[row - first :]
     gap = float(np.median(after) - np.median(before))
