@@ -7,7 +7,7 @@ from slide_hold_slide import clean, loading_of, noisy, truth
 import ratestate as rs
 from ratestate.records.healing.holds import healing_record
 from ratestate.records.healing.steady import Shape, fitted_line, scatter_about_line
-from ratestate.records.kit.sample_noise import digit_of
+from ratestate.records.kit.sample_noise import digit_of, resolution, rounding
 
 #: slider for which slides of 200 um are short: friction oscillates with a decay length of 32 um
 SOFT = rs.SpringSlider(
@@ -107,6 +107,16 @@ def test_the_digit_of_rounded_values_is_found():
     assert digit_of(np.append(values, values * (1.0 + 1e-15))) == pytest.approx(0.002)
     assert digit_of(np.random.default_rng(1).normal(size=400)) == 0.0
     assert digit_of(np.full(5, 0.6)) == 0.0
+
+
+def test_values_that_are_only_nearly_multiples_of_a_step_have_a_resolution():
+    """Counts of a converter written in decimals, and decimals in single precision."""
+    counts = np.random.default_rng(1).integers(0, 400, 400)
+    written = np.round(counts * 2.0**-12, 6)
+    single = (0.5 + 1e-4 * counts).astype(np.float32).astype(float)
+    assert resolution(written) == pytest.approx(2.0**-12, abs=2e-6)
+    assert resolution(single) == pytest.approx(1e-4, rel=2e-3)
+    assert rounding(single) == pytest.approx(1e-4 / np.sqrt(12.0), rel=2e-3)
 
 
 @pytest.mark.parametrize("trend", ["slip", "time", None])

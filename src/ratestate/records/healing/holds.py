@@ -16,8 +16,8 @@ from .polynomials import basis
 
 #: samples left out on either side of a change of speed, the error of its time
 GUARD = 1
-#: samples averaged for friction at a slide's end; largest ratio of two speeds that count as one
-LAST, SAME_SPEED = 12, 1.05
+#: samples averaged for friction at a slide's end; largest relative difference of equal speeds
+LAST, SPEEDS = 12, 0.05
 #: fewest samples of a reloading that gives k
 FEWEST_OF_RELOADING = 3
 #: final fraction of a slide that may be steady; its fewest samples
@@ -58,8 +58,7 @@ class Hold(NamedTuple):
     @property
     def is_at_one_speed(self):
         """Return whether the speeds before and after the hold count as one."""
-        slower, faster = sorted([self.before.V, self.after.V])
-        return faster <= SAME_SPEED * slower
+        return is_same_speed(self.before.V, self.after.V)
 
 
 #: stands for a part before the first segment or after the last
@@ -114,6 +113,10 @@ def healing_record(data, loading, trend):
     return HealingRecord(
         raw.time, friction, raw.kind, trend, segments, holds, slides, slip, k, level, data
     )
+
+
+def is_same_speed(V_1, V_2):
+    return abs(V_1 - V_2) <= SPEEDS * max(V_1, V_2)
 
 
 def _holds(time, segments):

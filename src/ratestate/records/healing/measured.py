@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from ..kit.sample_noise import OF_STEP, digit_of
+from ..kit.sample_noise import OF_STEP, resolution
 from .holds import FEWEST, GUARD, LAST
 from .polynomials import largest_fits
 from .steady import Level
@@ -69,7 +69,7 @@ def measure(record, hold, noise, levels):
     this error (Widrow, Kollar & Liu 1996 doi:10.1109/19.492748).
     """
     measured = _measured_with_noise(record, hold, noise, levels)
-    step = digit_of(record.friction)
+    step = resolution(record.friction)
     dither = max(noise.level**2 - (OF_STEP * step) ** 2, 0.0)
     least = OF_STEP * step * np.exp(-2.0 * np.pi**2 * dither / step**2) if step else 0.0
     values = {

@@ -16,8 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from ..load_point.splits import groups_of_similar
-from .holds import FEWEST, SAME_SPEED
+from .holds import FEWEST, is_same_speed
 from .polynomials import basis, windows_that_pass
 
 #: second decay length as a fraction of the first; or wave number times the decay length
@@ -290,7 +289,7 @@ def _priors(slides, ends, means, has_slope):
     known = np.array([i for i, level in enumerate(means) if level is not None], int)
     if not known.size or len(slides) < 2:
         return [None] * len(slides)
-    speeds = groups_of_similar(np.array([slide.V for slide in slides]), SAME_SPEED)
+    speeds = [next(k for k, b in enumerate(slides) if is_same_speed(a.V, b.V)) for a in slides]
     distance = np.median(np.diff(ends))
     designs = np.zeros((len(slides), 1 + has_slope, len(slides) + has_slope))
     designs[np.arange(len(slides)), 0, speeds] = 1.0

@@ -1,4 +1,4 @@
-"""Noise between neighbouring samples of a series, and the step between its digits."""
+"""Noise between neighbouring samples of a series, and its resolution."""
 
 import math
 from typing import NamedTuple
@@ -56,17 +56,22 @@ def sample_noise(values):
     return float(np.median(np.abs(np.diff(values, 2)))) * OF_MEDIAN / OF_SECOND
 
 
-def digit_of(values):
-    """Return the step between digits of values (n,), or 0 if they are not multiples of a step.
+def resolution(values):
+    """Return the smallest difference between values (n,), or 0 if all are equal.
 
     Differences below `ROUNDING` times the values are floating-point errors and are ignored.
     """
     steps = np.diff(np.unique(values))
-    step = float(min(steps[steps > ROUNDING * np.abs(values).max()], default=0.0))
+    return float(min(steps[steps > ROUNDING * np.abs(values).max()], default=0.0))
+
+
+def digit_of(values):
+    """Return the step between digits of values (n,), or 0 if they are not multiples of a step."""
+    step = resolution(values)
     counts = (values - values.min()) / (step or 1.0)
     return step if (np.abs(counts - counts.round()) < OFF).all() else 0.0
 
 
 def rounding(values):
     """Return the standard deviation of the rounding of values (n,) to their last digit."""
-    return OF_STEP * digit_of(values)
+    return OF_STEP * resolution(values)

@@ -65,8 +65,7 @@ def find_runs(t, x):
         if MIN_IMPROVEMENT * _scatter_of(short_runs)[0] < scatter:
             runs = short_runs
     runs, holds = _mark_holds(runs)
-    kept, ramps = leave_out_ramps(*np.transpose([(run.V, run.start, run.end) for run in runs]))
-    runs = refine_breakpoints([runs[k] for k in kept])
+    runs, ramps = _remove_ramps(runs)
     return runs, holds + ramps + _anomaly_notes(runs)
 
 
@@ -104,9 +103,9 @@ def _steps_and_jumps(rows):
         return bool(is_off.sum() <= 1 and abs(before.V - after.V) < least_change(before, after))
 
     def changes(at):
-        sizes = [change(*rows_of_step) for rows_of_step in zip(at, at[1:], at[2:], strict=False)]
-        for n, ends in enumerate(zip(at, at[1:], at[2:], at[3:], strict=False)):
-            if jumps_within(*ends):
+        sizes = [change(*three) for three in zip(at, at[1:], at[2:], strict=False)]
+        for n, four in enumerate(zip(at, at[1:], at[2:], at[3:], strict=False)):
+            if jumps_within(*four):
                 sizes[n] = 0.0
         return sizes
 
@@ -146,6 +145,11 @@ def _mark_holds(runs):
     return refine_breakpoints(marked), notes
 
 
+def _remove_ramps(runs):
+    kept, notes = leave_out_ramps(*np.transpose([(run.V, run.start, run.end) for run in runs]))
+    return refine_breakpoints([runs[k] for k in kept]), notes
+
+
 def leave_out_ramps(V, start, end):
     """Return the indices (list) of the runs that are not part of a ramp, and notes.
 
@@ -179,8 +183,8 @@ def leave_out_transients(runs, is_transient):
     """
     kept = [0]
     while kept[-1] < runs - 1:
-        later = range(runs - 1, kept[-1] + 1, -1)
-        after = (k for k in later if is_transient(kept[-1], k))
+        others = range(runs - 1, kept[-1] + 1, -1)
+        after = (k for k in others if is_transient(kept[-1], k))
         kept.append(next(after, kept[-1] + 1))
     return kept
 

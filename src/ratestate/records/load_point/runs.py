@@ -43,9 +43,9 @@ class SpeedRun:
             self.weights.append(total)
         self.V = products / self.spread if self.spread > 0.0 and not hold else 0.0
 
-    def join(self, after, hold=False):
+    def join(self, other, hold=False):
         """Return one run of the rows of both runs; the lines keep their own offsets."""
-        return SpeedRun(self.samples, self.rows + after.rows, hold)
+        return SpeedRun(self.samples, self.rows + other.rows, hold)
 
     def x_at(self, t, end):
         """Return the displacement [m] at t [s] on the first (end = 0) or last (end = -1) line."""

@@ -101,17 +101,21 @@ class RowSums:
         return int(k[best]), float(self.misfit(i, j) - misfits[best])
 
 
-def gaps_in(t):
-    """Return the rows (list) before which there is a gap in the times t (n,)."""
+def gaps_in(t, ratio=GAP_RATIO, rows=GAP_ROWS):
+    """Return the rows (list) before which there is a gap in the times t (n,).
+
+    ratio : least length of a gap, as a multiple of the median time step on either side
+    rows : number of time steps on either side
+    """
     dt = np.diff(t)
     if dt.size < 3:
         return []
     neighbour = np.minimum(np.append(dt[1], dt[:-1]), np.append(dt[1:], dt[-2]))
     gaps = []
-    for i in np.flatnonzero(dt > GAP_RATIO * neighbour).tolist():
+    for i in np.flatnonzero(dt > ratio * neighbour).tolist():
         # if the sampling rate changes here, the time step is the usual one on one side
-        sides = [dt[max(0, i - GAP_ROWS) : i], dt[i + 1 : i + 1 + GAP_ROWS]]
-        if dt[i] > GAP_RATIO * max(float(np.median(side)) for side in sides if side.size):
+        sides = [dt[max(0, i - rows) : i], dt[i + 1 : i + 1 + rows]]
+        if dt[i] > ratio * max(float(np.median(side)) for side in sides if side.size):
             gaps.append(i + 1)
     return gaps
 
@@ -158,15 +162,15 @@ def _cut_runs(rows, cuts):
 def _remove_cuts(rows, cuts):
     """Remove the cuts that are not significant, the weakest first."""
     while len(cuts) > 2:
-        remaining, gain = _weakest_cut(rows, cuts)
+        m, remaining, gain = _weakest_cut(rows, cuts)
         if gain > MIN_GAIN:
             break
-        cuts = _improve_cuts(rows, remaining)
+        cuts = _improve_cuts(rows, remaining, near=m)
     return cuts
 
 
 def _weakest_cut(rows, cuts):
-    """Return the cuts without the weakest one, and by how much that increases the misfit.
+    """Return the index of the weakest cut, the cuts without it, and the increase of the misfit.
 
     Two neighbouring cuts that one cut may replace count as one candidate for removal.
     """
@@ -174,24 +178,25 @@ def _weakest_cut(rows, cuts):
     misfits = rows.misfit(c[:-1], c[1:])
     gains = rows.misfit(c[:-2], c[2:]) - misfits[:-1] - misfits[1:]
     m = int(np.argmin(gains))
-    weakest = cuts[: m + 1] + cuts[m + 2 :], float(gains[m])
+    weakest = m + 1, cuts[: m + 1] + cuts[m + 2 :], float(gains[m])
     for m in range(1, len(cuts) - 2):
         i, j = cuts[m - 1], cuts[m + 2]
         k, gain = rows.best_cut(i, j)
         loss = float(rows.misfit(i, j) - gain - misfits[m - 1 : m + 2].sum())
-        if i < k and loss < weakest[1]:
-            weakest = [*cuts[:m], k, *cuts[m + 2 :]], loss
+        if i < k and loss < weakest[2]:
+            weakest = m, [*cuts[:m], k, *cuts[m + 2 :]], loss
     return weakest
 
 
-def _improve_cuts(rows, cuts):
-    """Move each cut to its best place between its neighbours, until none moves."""
+def _improve_cuts(rows, cuts, near=None):
+    """Move each cut (or those near index `near`) to its best place between its neighbours."""
     cuts = list(cuts)
     for _ in range(20):
         before = list(cuts)
         for m in range(1, len(cuts) - 1):
-            k, gain = rows.best_cut(cuts[m - 1], cuts[m + 1])
-            cuts[m] = k if gain > 0.0 else cuts[m]
+            if near is None or abs(m - near) <= 1:
+                k, gain = rows.best_cut(cuts[m - 1], cuts[m + 1])
+                cuts[m] = k if gain > 0.0 else cuts[m]
         if cuts == before:
             break
     return cuts
@@ -208,7 +213,7 @@ def drop_weak_cuts(rows, cuts, sizes, least):
         if not len(changes) or min(changes) >= least:
             return at
         m = int(np.argmin(changes)) + 1
-        cuts = _improve_cuts(rows, cuts[:m] + cuts[m + 1 :])
+        cuts = _improve_cuts(rows, cuts[:m] + cuts[m + 1 :], near=m)
 
 
 def sampling_noise(t, y, degree, longest, least):
@@ -239,10 +244,10 @@ def sampling_noise(t, y, degree, longest, least):
         first = np.arange(0, t.size - 2 * length + 1, length)
         rows_of_pair = first[:, None] + np.arange(2 * length)
         joint, left, right = (
-            _misfits(t[rows], y[rows], degree)
+            _misfits(t[rows], y[rows], 1.0 / noise[rows], degree)
             for rows in (rows_of_pair, rows_of_pair[:, :length], rows_of_pair[:, length:])
         )
-        reductions = (joint - left - right) / (CHI2_MEDIANS[degree] * noise[first])
+        reductions = (joint - left - right) / CHI2_MEDIANS[degree]
         inside = blocks[first] == blocks[first + 2 * length - 1]
         return reductions, [reductions[inside & (rates[first] == rate)] for rate in of_all]
 
@@ -278,26 +283,25 @@ def sampling_rates(t):
 
     A rate is a group of similar local sampling intervals.  A clock that jitters has one rate.
     """
-    intervals = np.diff(t, append=2.0 * t[-1] - t[-2])
-    local = scipy.ndimage.median_filter(intervals, NEIGHBOURS, mode="nearest")
-    return groups_of_similar(local, RATE_RATIO)
+    interval = scipy.ndimage.median_filter(
+        np.diff(t, append=2.0 * t[-1] - t[-2]), NEIGHBOURS, mode="nearest"
+    )
+    order = np.argsort(interval, kind="stable")
+    rates = np.empty(t.size, int)
+    rates[order] = np.cumsum(np.diff(np.log(interval[order]), prepend=np.inf) > np.log(RATE_RATIO))
+    return rates
 
 
-def groups_of_similar(values, ratio):
-    """Return the number (n,) of each value's group, from 0 on in rising order of values (n,).
+def _misfits(t, y, weight, degree):
+    """Return the weighted sums of squares (k,) about the best line or level of k runs."""
+    total = weight.sum(axis=1)
 
-    ratio : smallest ratio of a value to the next smaller one at which a group begins
-    """
-    order = np.argsort(values, kind="stable")
-    ordered, numbers = values[order], np.empty(values.size, int)
-    numbers[order] = np.append(0, np.cumsum(ordered[1:] > ratio * ordered[:-1]))
-    return numbers
+    def centred(x):
+        x = x - x[:, :1]
+        return x - ((weight * x).sum(axis=1) / total)[:, None]
 
-
-def _misfits(t, y, degree):
-    """Return the sums of squares (k,) about the best line or level of k runs."""
-    u, y = (x - x[:, :1] for x in (t, y))
-    u, y = (x - x.mean(axis=1, keepdims=True) for x in (u, y))
+    y = centred(y)
     if degree:
-        y = y - ((u * y).sum(axis=1) / (u * u).sum(axis=1))[:, None] * u
-    return (y * y).sum(axis=1)
+        u = centred(t)
+        y = y - ((weight * u * y).sum(axis=1) / (weight * u * u).sum(axis=1))[:, None] * u
+    return (weight * y * y).sum(axis=1)

@@ -39,15 +39,14 @@ LONGEST = 0.01
 MARGIN = 3.0
 #: slope of stress against displacement, as a multiple of the median, that is too steep for loading
 STEEP = 3.0
-#: least ratio of a gap to the median step of the series
-GAP_RATIO = 10.0
+#: number of steps on either side with which a gap is compared, and least ratio of the gap to them
+#: and to the median step of the series
+GAP_NEIGHBOURS, GAP_RATIO = 20, 10.0
 #: significance level of the test that falls are shorter than rises
 CHANCE = 0.02
 #: fewest falls for this test.  If there are fewer, each fall must last less than this fraction of
-#: the rise before it.  Its duration follows from the slope of its middle half: its ends are round.
+#: the rise before it.  Its duration is twice that of its middle half, because its ends are round.
 FEWEST, SHORTER = 4, 0.1
-#: fewest samples in the middle half of a fall for a line through them
-LINE = 3
 #: largest standard deviation of regular intervals between falls, divided by their mean: for fewer
 #: than `MANY_FALLS` falls, and for more
 REGULAR, MANY_FALLS = (0.1, 0.25), 8
@@ -179,7 +178,7 @@ def without_rebounds(y, displacement, falls):
 def in_gaps(t, falls):
     """Return whether samples are missing in falls (m,), from before peak to after trough."""
     steps = np.diff(t)
-    gaps = np.array(gaps_in(t), int) - 1  # the steps
+    gaps = np.array(gaps_in(t, GAP_RATIO, GAP_NEIGHBOURS), int) - 1  # the steps
     gaps = gaps[steps[gaps] > GAP_RATIO * np.median(steps)]
     inside = [bool(((gaps >= peak - 1) & (gaps <= trough)).any()) for peak, trough in falls]
     return is_whole(falls) & np.array(inside, bool)
@@ -203,22 +202,14 @@ def is_stick_slip(series, falls):
     regular = REGULAR[len(entire) >= MANY_FALLS]
     if intervals.size > 1 and intervals.std() < regular * intervals.mean():
         return True
-    slopes = [middle_half(series.t, series.tau, *fall)[1] for fall in entire]
-    drops = series.tau[entire] @ (1.0, -1.0)
-    return 0 < len(entire) < FEWEST and bool((drops < SHORTER * rises * slopes).all())
+    halves = np.array([_middle_half_duration(series, *fall) for fall in entire])
+    return 0 < len(entire) < FEWEST and bool((2.0 * halves < SHORTER * rises).all())
 
 
-def middle_half(t, y, peak, trough):
-    """Return mean time, slope [Pa/s] and duration of the middle half of a fall.
-
-    The slope belongs to a line through its samples, or if they are too few through the two samples
-    next to the middle.
-    """
-    drop, level = y[peak] - y[trough], 0.5 * (y[peak] + y[trough])
-    rows = peak + np.flatnonzero(np.abs(y[peak : trough + 1] - level) < 0.25 * drop)
-    width = float(np.ptp(t[rows])) if rows.size else 0.0
-    if rows.size < LINE:
-        below = peak + max(int(np.argmax(y[peak : trough + 1] < level)), 1)
-        rows = np.array([below - 1, below])
-    x = t[rows] - t[rows].mean()
-    return float(t[rows].mean()), -float(x @ y[rows]) / float(x @ x), width
+def _middle_half_duration(series, peak, trough):
+    """Return how long the middle half of the drop takes [s]: at least one step."""
+    t, y = (x[peak : trough + 1] for x in (series.t, series.tau))
+    below, quarter = 0.5 * (y[0] + y[-1]) - y, 0.25 * (y[0] - y[-1])
+    middle = int(np.argmax(below > 0.0))
+    spacing = np.gradient(t)
+    return max(float(spacing[np.abs(below) < quarter].sum()), float(t[middle] - t[middle - 1]))

@@ -15,11 +15,10 @@ import math
 import numpy as np
 import scipy
 
-from ..load_point.splits import groups_of_similar
 from .between_samples import FITTED_PART, UNIFORM_SD, corrected_for_spikes, middles
-from .detection import is_whole, middle_half
+from .detection import is_whole
 from .extremes import FallWindow, chosen_window, extremes
-from .lines import SAME_SPEED
+from .lines import speed_groups
 
 #: measured quantities of a fall; each has an error
 NAMES = ("tau_max", "event_start", "tau_min", "event_end", "event_time", "fall_rate")
@@ -41,6 +40,8 @@ LEAST, OF_LOADING = 1.0, 0.05
 STEEP = np.geomspace(0.2, 3.2, 8)
 #: fewest samples in the middle half of a fall for its steepest slope; else the mean slope is used
 SPARSE = 8
+#: fewest samples in the middle half of a fall for a line through them
+LINE = 3
 #: a quarter of the drop, in standard errors of a moving average, for a clear middle of a fall
 CLEAR_DROP = 4.0
 #: number of times that windows are placed relative to the last estimates
@@ -100,8 +101,7 @@ def _groups(series, spans, rows, noise):
     loadings = np.diff(t[spans[rows]], axis=1)[:, ::2]
     is_end = (rows == 0) | (rows == len(spans) - 1)
     loading = np.where(is_end, loadings.max(axis=1), loadings.min(axis=1))
-    V_lp = series.at(0.5 * (t[peaks] + t[troughs]), series.V_lp)
-    speed = groups_of_similar(V_lp, SAME_SPEED)
+    speed = speed_groups(series.at(0.5 * (t[peaks] + t[troughs]), series.V_lp))
     groups = []
     for number in range(speed.max() + 1):
         at = np.flatnonzero(speed == number)
@@ -176,7 +176,7 @@ def _slopes(t, y, middle, peaks, troughs, noise):
     """Return the steepest slopes (m,) [Pa/s], their errors, and whether samples are too few."""
     spacing = np.median(np.diff(t))
     fall = max(float(np.median(t[troughs] - t[peaks])), spacing)
-    halves = [middle_half(t, y, i, j) for i, j in zip(peaks, troughs, strict=True)]
+    halves = [_middle_half(t, y, i, j) for i, j in zip(peaks, troughs, strict=True)]
     times, means, widths = np.array(halves).T
     time, sparse, window = float(np.median(times - middle)), widths < SPARSE * spacing, None
     for _ in range(ROUNDS if not sparse.all() else 0):
@@ -192,6 +192,22 @@ def _slopes(t, y, middle, peaks, troughs, noise):
         return means, np.full(means.size, math.nan), np.ones(means.size, bool)
     slope = np.where(sparse, means, -result.value)
     return slope, np.where(sparse, math.nan, result.biased_error), sparse | ~np.isfinite(slope)
+
+
+def _middle_half(t, y, peak, trough):
+    """Return mean time, slope [Pa/s] and duration of the middle half of a fall.
+
+    The slope belongs to a line through its samples, or if they are too few through the two samples
+    next to the middle.
+    """
+    drop, level = y[peak] - y[trough], 0.5 * (y[peak] + y[trough])
+    rows = peak + np.flatnonzero(np.abs(y[peak : trough + 1] - level) < 0.25 * drop)
+    width = float(np.ptp(t[rows])) if rows.size else 0.0
+    if rows.size < LINE:
+        below = peak + max(int(np.argmax(y[peak : trough + 1] < level)), 1)
+        rows = np.array([below - 1, below])
+    x = t[rows] - t[rows].mean()
+    return float(t[rows].mean()), -float(x @ y[rows]) / float(x @ x), width
 
 
 def _in_run(series, rate, peak, trough):
@@ -241,8 +257,8 @@ def _extreme(series, rate, i, sign, drop):
         at = np.concatenate([curve.x, turns[np.isfinite(turns)]])
         best = int(np.argmax(sign * curve(at)))
         estimates.append(np.array([curve(at[best]), at[best]]))
-    (value, time), (coarse, coarse_time) = estimates
-    error, time_error = abs(value - coarse), abs(time - coarse_time)
+    (value, time), (other, other_time) = estimates
+    error, time_error = abs(value - other), abs(time - other_time)
     if abs(value) > MAX_DISTANCE * drop:
         neighbours = slice(max(i - 1, 0), i + 2)
         time, time_error = 0.0, 0.5 * float(np.diff(t[neighbours]).max())

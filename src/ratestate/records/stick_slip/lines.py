@@ -22,7 +22,6 @@ import numpy as np
 import pandas
 
 from ..kit.regression import weighted_mean
-from ..load_point.splits import groups_of_similar
 from ..messages import stick_slip as sentences
 
 #: part of a loading phase that is fitted; part that shows creep; fewest samples of the latter
@@ -33,8 +32,8 @@ SMOOTH = 0.15
 MAX_DEVIATION = 4.0
 #: fewest events of a trend, and least ratio of the largest to the smallest abscissa
 FEWEST, NARROWEST = 4, 1.5
-#: ratio of two speeds that do not count as one
-SAME_SPEED = 1.02
+#: largest relative difference between neighbouring speeds that count as one
+SAME_SPEED = 0.02
 #: least variance, which avoids a division by zero
 TINY = 1e-300
 
@@ -120,7 +119,7 @@ def trend(x, drop, V_lp, label):
     if factor < NARROWEST:
         texts = {"label": label, "factor": factor, "least": NARROWEST}
         return Trend(message=sentences("trend.narrow", **texts))
-    groups = groups_of_similar(V_lp, SAME_SPEED)
+    groups = speed_groups(V_lp)
     columns = np.column_stack([np.ones(x.size), np.log10(x), drop])
     residuals = drop - columns[:, :2] @ np.linalg.lstsq(columns[:, :2], drop)[0]
     speeds = int(groups.max()) + 1
@@ -135,6 +134,15 @@ def trend(x, drop, V_lp, label):
     A_error, B_error = np.sqrt(residuals @ residuals / max(x.size - 2, 1) * np.diag(inverse))
     message = sentences("trend.two") if speeds == 2 else ""
     return Trend(float(line[0]), float(A_error), float(line[1]), float(B_error), x.size, message)
+
+
+def speed_groups(V):
+    """Return the number of each speed (m,) in rising order; similar speeds share a number."""
+    order = np.argsort(V)
+    jumps = np.diff(V[order]) > SAME_SPEED * V[order][:-1]
+    number = np.empty(V.size, int)
+    number[order] = np.concatenate([[0], np.cumsum(jumps)])
+    return number
 
 
 def _shared_variance(residuals, groups):
