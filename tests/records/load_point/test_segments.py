@@ -211,6 +211,17 @@ def test_a_jump_may_leave_a_row_within_it(intervals, segments):
     assert ["delta_lp jumps by" in note for note in found.notes] == [True] * (segments == 2)
 
 
+def test_a_jump_beside_a_gap_is_not_taken_for_the_step_within_the_gap():
+    t, rng = np.arange(2000) * 0.1, np.random.default_rng(8)
+    x = history(t, [0, 129.9], [1e-5, 3e-6]) + 1e-8 * rng.standard_normal(t.size)
+    x[t >= 127.8] += 2.4e-6
+    kept = (t < 128.7) | (t > 130.8)
+    found = segments_from_displacement(t[kept], x[kept])
+    assert found.V.size == 2
+    assert abs(found.t[1] - 129.9) < min(4.0 * found.t_error[1], 0.01)
+    assert any("delta_lp jumps by" in note for note in found.notes)
+
+
 def test_a_short_ramp_of_speed_is_found_as_a_step():
     t = np.arange(0, 100, 0.01)
     V = np.interp(t, [0, 50, 50.4, 100], [1e-6, 1e-6, 1e-3, 1e-3])
