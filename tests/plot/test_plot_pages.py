@@ -509,14 +509,17 @@ def test_steady_sliding_beside_a_branch_is_stable_as_the_slider_says():
     np.testing.assert_allclose(ends, K_c, rtol=2e-4)
 
 
-def test_amplitudes_lie_along_V_lp():
+def test_amplitudes_lie_along_one_dimension():
     cycles, ax = rs.limit_cycle(SLIDER, V_LP), Figure().subplots()
     line = plot.amplitudes(cycles, ax, "frequency")
     np.testing.assert_array_equal(line.get_xdata(), cycles.frequency)
     with pytest.raises(ParameterError, match="x = 'M' is unknown"):
         plot.amplitudes(cycles, ax, "M")
-    for other in (rs.limit_cycle(SLIDER.replace(M=MASS), 1e-2), None):
-        with pytest.raises(ParameterError, match="along V_lp alone"):
+    of_masses = rs.limit_cycle(SLIDER.replace(M=MASS), 1e-2)
+    line = plot.amplitudes(of_masses, ax, "period")
+    np.testing.assert_array_equal(line.get_xdata(), of_masses.period)
+    for other in (of_masses, cycles.isel(V_lp=0), cycles[["period"]], None):
+        with pytest.raises(ParameterError, match="limit cycles along one dimension"):
             plot.amplitudes(other, ax)
 
 

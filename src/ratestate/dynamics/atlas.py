@@ -6,6 +6,8 @@ two decades of eta.  Parameters of the law's own, divided by a, sigma or Dc, com
 law with a speed of its own depends on speed, so its map has the axes K and V_lp.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray
 
@@ -112,7 +114,7 @@ def atlas(
         if not isinstance(value, int | float):
             raise refusal("atlas.number", symbol=symbol, value=value)
     for symbol, ends in {"eta": eta, "K_over_K_c_qs": K_over_K_c_qs}.items():
-        if np.shape(ends) != (2,):
+        if not isinstance(ends, Sequence | np.ndarray) or len(ends) != 2:
             raise refusal("atlas.pair", symbol=symbol, value=ends)
     b_over_a = to_si("b_over_a", b_over_a)
     if is_array(b_over_a) or not b_over_a > 1:

@@ -217,4 +217,4 @@ def verdict(slider, V_lp, cycle=None):
 def _is_one_cycle(result):
     """Return whether this is a result of `limit_cycle` for one slider and speed."""
     title = getattr(result, "attrs", {}).get("title")
-    return title == "ratestate limit_cycle" and result["status"].ndim == 0
+    return title == "ratestate limit_cycle" and "status" in result and result.status.ndim == 0

@@ -6,6 +6,8 @@ import threading
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+
 from ..errors import ParameterError
 
 #: where kernels can run
@@ -55,8 +57,8 @@ def use(*, threads=None, stop=None, device="cpu", progress=None):
         Ends the calculations: they raise `Stopped` some milliseconds after it is set, unless they
         are done before.
     device : {"cpu", "cuda"}, optional
-        Where motions and cycles are computed; by default "cpu".  Without an NVIDIA GPU "cuda"
-        raises `ParameterError` when something is computed.
+        Where sweeps of motions, and cycles, are computed; by default "cpu".  Without an NVIDIA GPU
+        they raise `ParameterError` for "cuda".
     progress : callable, optional
         Called with the fraction done (0 to 1), in place of a progress bar; not called if a
         calculation is short.
@@ -80,7 +82,7 @@ def use(*, threads=None, stop=None, device="cpu", progress=None):
     if device not in DEVICES:
         problem = f"is unknown. Choose one of {', '.join(DEVICES)}"
         raise ParameterError(problem, symbol="device", value=repr(device))
-    if threads is not None and not (isinstance(threads, int) and threads >= 1):
+    if threads is not None and not (isinstance(threads, int | np.integer) and threads >= 1):
         raise ParameterError("must be an integer >= 1", symbol="threads", value=repr(threads))
     token = _current.set(Backend(threads, stop, device, progress))
     try:

@@ -34,7 +34,7 @@ def _check_names_first(init):
         _check_names(type(self), law, form_of(law, given.get("friction_form")), given)
         missing = [] if args else [name for name in REQUIRED if name not in given]
         if missing:
-            names = {"missing": ", ".join(missing), "required": ", ".join(REQUIRED)}
+            names = {"missing": ", ".join(missing), "required": "=..., ".join(REQUIRED) + "=..."}
             raise refusal("call.missing", function="SpringSlider", **names)
         init(self, *args, **(given | {"law": law.name}))
 

@@ -141,7 +141,7 @@ def amplitudes(cycles, ax, x="V_lp", **style):
     Parameters
     ----------
     cycles : xarray.Dataset
-        From `limit_cycle`, along ``V_lp`` alone; anything else raises ParameterError.
+        From `limit_cycle`, along one dimension, such as ``V_lp``; else ParameterError.
     ax : matplotlib.axes.Axes
         Axes to draw into.
     x : {"V_lp", "frequency", "period"}
@@ -158,9 +158,10 @@ def amplitudes(cycles, ax, x="V_lp", **style):
     if x not in names:
         raise ParameterError("is unknown", one_of(names, x), symbol="x", value=repr(x))
     cycles = in_si(cycles)
-    if getattr(getattr(cycles, "amplitude", None), "dims", ()) != ("V_lp",):
+    variables = [getattr(cycles, "variables", {}).get(name) for name in ("amplitude", x)]
+    if any(values is None or values.ndim != 1 for values in variables):
         raise ParameterError(
-            "amplitudes() draws a Dataset of limit_cycle along V_lp alone, and this is not one",
+            f"amplitudes() draws limit cycles along one dimension that {x} depends on",
             "Pick one value of each other dimension with .isel.",
         )
     (line,) = ax.plot(cycles[x], cycles.amplitude, **{"color": "k", "lw": 1.3} | style)
