@@ -84,6 +84,7 @@ def use(*, threads=None, stop=None, device="cpu", progress=None):
         raise ParameterError(problem, symbol="device", value=repr(device))
     if threads is not None and not (isinstance(threads, int | np.integer) and threads >= 1):
         raise ParameterError("must be an integer >= 1", symbol="threads", value=repr(threads))
+    threads = None if threads is None else int(threads)
     token = _current.set(Backend(threads, stop, device, progress))
     try:
         yield

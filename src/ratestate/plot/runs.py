@@ -94,8 +94,8 @@ def _checked(run):
     """Return the argument in SI; ParameterError if it is not a motion in time."""
     if not isinstance(run, xarray.Dataset) or not {"time", "tau", "mu"} <= {*run.sizes, *run}:
         raise ParameterError(
-            "a run is not a Dataset as simulate returns it, with its attributes",
-            "Give such a result.",
+            "a run is not a Dataset with tau and mu along time",
+            "Give a result of simulate, with its variables and attributes.",
         )
     return in_si(run)
 
