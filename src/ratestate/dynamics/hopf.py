@@ -105,8 +105,7 @@ def hopf(slider, V_lp=None):
     result["lyapunov_1"].attrs["comment"] = "dr/dt = growth_rate r + lyapunov_1 r^3, r of ln V"
     distance = "sqrt(|V_lp/V_c - 1|)" if V_lp is None else "sqrt(|K/K_c - 1|)"
     result["amplitude_coefficient"].attrs["comment"] = f"amplitude of small cycles over {distance}"
-    settings = {"law": slider.law, "bifurcation_parameter": parameter}
-    return result.assign_attrs(provenance("hopf", slider, **settings))
+    return result.assign_attrs(provenance("hopf", slider, law=slider.law, parameter=parameter))
 
 
 def _bifurcation(law, parameter, columns):
