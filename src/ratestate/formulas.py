@@ -125,7 +125,7 @@ def dtheta_dt(V, theta, *, Dc, law):
     Raises
     ------
     ParameterError
-        If the law is unknown or another one.
+        If the law is none of these.
     """
     omega = V * theta / Dc
     # Omega ln(Omega) -> 0 as Omega -> 0, so the smallest float replaces 0 in the logarithm
@@ -156,7 +156,7 @@ def dtheta_dt_partials(V, theta, *, Dc, law):
     Raises
     ------
     ParameterError
-        If the law is unknown or another one.
+        If the law is none of these.
     """
     # both follow from the derivative by v = ln(V/V0), at V0 = V, where psi = ln(omega)
     omega = V * theta / Dc

@@ -59,8 +59,8 @@ def atlas(
     rtol : float
         Relative accuracy of the cycles.
     eta, K_over_K_c_qs : pair of float
-        First and last value along the axes, > 0, to map a part only.  Under a law with a speed eta
-        cannot be given.
+        First and last value along the axes, > 0, to map a part only.  If the law has a speed among
+        its parameters, eta cannot be given.
     transition : bool
         Whether to add columns close to K_c, half as many as n, but at least 2.
     M : float

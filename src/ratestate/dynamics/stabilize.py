@@ -52,8 +52,8 @@ def stabilize(slider, V_lp, margin=1.1):
           M = 0;
         - ``V_c_with_K``, ``V_c_with_M`` and ``V_c_with_damping``: critical velocity [m/s] after
           each remedy, and the slider's own V_c if no damping is needed.  With damping it may be 0:
-          the slider then stays unstable at low speeds.
-          Without mass ``V_c_with_K`` holds for a K just above ``K_stable``: inf under most laws.
+          the slider then stays unstable at low speeds.  Without mass ``V_c_with_K`` holds for a K
+          just above ``K_stable``: inf under most laws.
 
     Raises
     ------

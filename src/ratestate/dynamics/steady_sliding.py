@@ -49,7 +49,7 @@ def stability(slider, V_lp):
         - ``K_c`` and ``K_c_qs``: critical stiffness with inertia (eq. 6) and without [Pa/m];
         - ``eta``: dynamic instability coefficient (eq. 7);
         - ``V_c``: critical velocity (eq. 10) [m/s]: sliding is stable below and unstable above it.
-          0 if every speed is unstable, inf if none is;
+          0 if sliding is unstable at every speed, inf if it is stable at every speed;
         - ``V_c_upper``: speed above which sliding is stable again under some laws, else inf; in the
           dimensions of ``V_c``;
         - ``f_n``: natural frequency [Hz];

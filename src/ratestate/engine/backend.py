@@ -42,6 +42,13 @@ def check_stopped():
         raise Stopped
 
 
+def check_device_name(device):
+    """Raise ParameterError unless this names a device of `DEVICES`."""
+    if not isinstance(device, str) or device not in DEVICES:
+        remedy = f"Choose one of {', '.join(DEVICES)}."
+        raise ParameterError("is unknown", remedy, symbol="device", value=repr(device))
+
+
 @contextlib.contextmanager
 def use(*, threads=None, stop=None, device="cpu", progress=None):
     """Set threads, device, a stop event or progress for calculations in a ``with`` block.
@@ -79,9 +86,7 @@ def use(*, threads=None, stop=None, device="cpu", progress=None):
     Traceback (most recent call last):
     ratestate.engine.backend.Stopped
     """
-    if device not in DEVICES:
-        problem = f"is unknown. Choose one of {', '.join(DEVICES)}"
-        raise ParameterError(problem, symbol="device", value=repr(device))
+    check_device_name(device)
     if threads is not None and not (isinstance(threads, int | np.integer) and threads >= 1):
         raise ParameterError("must be an integer >= 1", symbol="threads", value=repr(threads))
     threads = None if threads is None else int(threads)

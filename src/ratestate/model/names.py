@@ -61,6 +61,17 @@ def check_keywords(caller, given, names):
             raise ParameterError(f"{caller} has no parameter {name}", one_of(names, name))
 
 
+def check_required(caller, given, required, form="{}"):
+    """Raise ParameterError if a required argument of `caller` is not given.
+
+    given, required : names of arguments
+    form : how a call shows an argument, "{}=..." if it must be named
+    """
+    if missing := [name for name in required if name not in given]:
+        values = {"missing": ", ".join(missing), "required": ", ".join(map(form.format, required))}
+        raise refusal("call.missing", function=caller, **values)
+
+
 def keywords_checked(function):
     """Wrap a function: mistyped and missing arguments raise ParameterError, not TypeError."""
     names = inspect.signature(function).parameters
@@ -69,10 +80,7 @@ def keywords_checked(function):
     @functools.wraps(function)
     def checked(*args, **keywords):
         check_keywords(function.__name__, keywords, names)
-        given = {*[*names][: len(args)], *keywords}
-        if missing := [name for name in required if name not in given]:
-            values = {"missing": ", ".join(missing), "required": ", ".join(required)}
-            raise refusal("call.missing", function=function.__name__, **values)
+        check_required(function.__name__, {*[*names][: len(args)], *keywords}, required)
         return function(*args, **keywords)
 
     return checked

@@ -13,7 +13,7 @@ from ..friction.forms import forms_with, parameters_of
 from ..friction.law_formula import LOG
 from ..friction.laws import DEFAULT, friction_law, laws_with
 from .arrays import check_aligned
-from .names import check_keywords, refusal
+from .names import check_keywords, check_required, refusal
 from .parameters import parameter_to_si
 from .quantities import QUANTITIES, exact_text, readable, readable_together
 from .units import is_array, is_plain_array
@@ -32,10 +32,8 @@ def _check_names_first(init):
     def checked(self, *args, **given):
         law = resolve_law(given.get("law", DEFAULT))
         _check_names(type(self), law, form_of(law, given.get("friction_form")), given)
-        missing = [] if args else [name for name in REQUIRED if name not in given]
-        if missing:
-            names = {"missing": ", ".join(missing), "required": "=..., ".join(REQUIRED) + "=..."}
-            raise refusal("call.missing", function="SpringSlider", **names)
+        if not args:
+            check_required("SpringSlider", given, REQUIRED, "{}=...")
         init(self, *args, **(given | {"law": law.name}))
 
     return checked
@@ -206,8 +204,12 @@ class SliderParameters:
 
 #: names of the parameters that every slider has
 COMMON = tuple(field.name for field in dataclasses.fields(SliderParameters))
-#: parameters without a default
-REQUIRED = ("a", "b", "Dc", "sigma", "K")
+#: names of those without a default
+REQUIRED = tuple(
+    field.name
+    for field in dataclasses.fields(SliderParameters)
+    if field.default is dataclasses.MISSING
+)
 #: optional parameter -> its value in sliders that do not have it
 OPTIONAL: dict[str, Any] = {"area": None, "friction_form": LOG, "damping": 0.0, "alpha": 0.0}
 #: quantities that every motion depends on: a, b, Dc, sigma, K, M, mu0, V0.  Damping and the law's

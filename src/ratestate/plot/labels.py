@@ -85,7 +85,7 @@ LETTERS = {
 
 
 #: Greek letters that only begin symbols
-GREEK = ("beta", "delta", "kappa")
+GREEK = ("beta", "delta")
 #: symbols that sentences name; single letters that are words as well are not among them
 SYMBOLS = (*LETTERS, "K_c", "V_c", "V_c_upper", "f_n", "V_from", "sigma_from", "K", "M", "V", "b")
 _NAMED = "|".join(sorted(map(re.escape, SYMBOLS), key=len, reverse=True))

@@ -6,7 +6,7 @@ import xarray
 
 from ..dynamics.recipe import attribute_text
 from ..errors import ParameterError
-from ..model.conversion import in_si, si_factor
+from ..model.conversion import check_result, in_si, si_factor
 from ..model.names import nearest
 from ..model.parameters import of_contact
 from ..model.quantities import QUANTITIES
@@ -45,10 +45,7 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
     >>> print(str(rs.summary(rs.stability(slider, "1 um/s"))).splitlines()[0])
     Steady sliding at 1 um/s is stable
     """
-    if not isinstance(result, xarray.Dataset):
-        raise ParameterError(
-            f"a {type(result).__name__} is not a result", "Give a Dataset from ratestate."
-        )
+    check_result(result)
     result = in_si(result)
     name = attribute_text(result, "title").removeprefix("ratestate ")
     if name == "fit":

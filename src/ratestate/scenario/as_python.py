@@ -18,8 +18,8 @@ def python(scenario: Scenario) -> str:
     """Return Python lines that run a scenario and assign its Dataset to ``result``.
 
     They include imports and reproduce the result bit-for-bit.  They print nothing and write no
-    files, whatever the scenario's output is.  A user's law is registered from the
-    file that it came from; for a law from a class a comment says what to do.
+    files, whatever the scenario's output is.  A user's law is registered from the file that it
+    came from; for a law from a class a comment says what to do.
 
     Parameters
     ----------

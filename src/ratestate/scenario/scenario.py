@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray
 
 from ..dynamics.continuation.branch import check_rtol, checked_family, continue_cycle
 from ..dynamics.cycles.limit_cycle import limit_cycle_call
 from ..dynamics.recipe import recorded_call
 from ..dynamics.simulation.settings import solver_settings
 from ..errors import ParameterError
+from ..model.conversion import check_result
 from ..model.slider import SpringSlider
 from ..model.units import is_array
 from ..sweeps.calls import FUNCTIONS as SWEPT
@@ -140,8 +140,7 @@ def from_result(result: Any) -> Scenario:
         has lost attributes or variables that record the scenario.
     """
     wanted = "Give a Dataset as a function of ratestate returned it, or as read from its file."
-    if not isinstance(result, xarray.Dataset):
-        raise ParameterError(f"a {type(result).__name__} is not a result", wanted)
+    check_result(result)
     title = str(result.attrs.get("title", ""))
     if title == "ratestate fit":
         raise ParameterError(

@@ -18,7 +18,7 @@ from ..dynamics.steady_sliding import (
     stability,
     stability_call,
 )
-from ..engine.backend import DEVICES
+from ..engine.backend import check_device_name
 from ..errors import ParameterError
 from ..model.arrays import isel
 from ..model.initial_state import initial_state
@@ -102,7 +102,6 @@ def undisturbed(name, call):
 
 def check_device(name, call, device):
     """Raise ParameterError unless this device can run the call; that it is there is not checked."""
-    if not isinstance(device, str) or device not in DEVICES:
-        raise ParameterError(f"device = {device!r} is unknown. Choose one of {', '.join(DEVICES)}.")
+    check_device_name(device)
     if device == "cuda" and name in IN_CLOSED_FORM:
         raise ParameterError(f"device = 'cuda': {name} needs no GPU. Leave device out.")

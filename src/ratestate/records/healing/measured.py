@@ -12,16 +12,16 @@ import scipy
 
 from ..kit.sample_noise import OF_STEP, resolution
 from .holds import FEWEST, GUARD, LAST
-from .polynomials import largest_fits
+from .polynomials import ADDED, largest_fits
 from .steady import Level
 
 #: orders of polynomials, tested and used, in ln(time since the hold began) and after a sharp peak,
 #: and around a smooth peak; their fewest samples
 ORDERS, PEAK_ORDERS = (1, 3), (3, 5)
-FEWEST_OF_HOLD, FEWEST_OF_PEAK = 6, 8
-#: enlargement of the noise by a misfit around a peak, above which the samples are too few: 1 of
-#: 10,000 exceeds it by chance
-MAX_MISFIT = 3.035
+FEWEST_OF_HOLD, FEWEST_OF_PEAK = (used + ADDED + 1 for _, used in (ORDERS, PEAK_ORDERS))
+#: enlargement of the noise by a misfit around a peak, above which the samples are too few: chance
+#: exceeds this fall of chi-square in 1 of 10,000 windows
+MAX_MISFIT = math.sqrt(18.42 / ADDED)
 #: samples in which friction rises to a sharp peak, at most; samples that are averaged there
 SHARP, AVERAGED = 4, 3
 #: least height of a peak above friction at the end of the slide, in standard errors

@@ -153,7 +153,7 @@ def _read(task):
             error = refused
         except MemoryError:
             failure = f"it needs more memory than {memory / 1e9:.1f} GB"
-        except Exception as problem:
+        except Exception as problem:  # a file can make any library fail that reads it
             failure = f"{type(problem).__name__}: {problem}"
     messages = dict.fromkeys((str(warning.message), warning.category) for warning in caught)
     return result, error, failure, [*messages]
